@@ -35,11 +35,12 @@ enum class SessionState : int { searching, user_found, calibrating, tracking, me
 // front alone, and the person measured before counts as having left.
 inline constexpr float kFrameGapSecondsMax = 2.0F;
 
-// Whether the guidance requests a turn once the front is accumulated, so that both sides are measured.
-enum class Turn : int { none, asked };
+// Whether the guidance requests a turn once the front is accumulated. asked: so that both sides are measured. around:
+// one turn on the spot, all of which is measured (estimate/turn_measurement.h).
+enum class Turn : int { none, asked, around };
 
 // What an answer rests on.
-enum class AnswerViews : int { none, front, front_and_back };
+enum class AnswerViews : int { none, front, front_and_back, around };
 
 struct FrameSeen;
 // Called on the thread of FIT (push()'s with single_thread) after each frame processed. Its argument is valid during
@@ -57,7 +58,7 @@ struct EngineSettings {
   int frames_wanted = 30;        // accepted frames until MEASURED; of each side with Turn::asked
   int frames_min = 5;            // fewest a measurement, and each of its sides, may rest on when the stream ends
   bool calibration_psi = false;  // ask for the Psi pose first, as the paper does
-  Turn turn = Turn::none;        // asked: TURNING follows the front, see engine/session.h
+  Turn turn = Turn::none;        // else TURNING follows the front, see engine/session.h
   // What the person wears. dressed: more than close-fitting clothes; the body is estimated through them, less well,
   // by an index that has learned such people; needs `shape_space`. unknown: estimated from the frames where index and
   // shape space allow it, and the answer weighted by its probability; else as bare. bare: a person nevertheless seen
@@ -67,6 +68,8 @@ struct EngineSettings {
   // is fitted to the accumulated frames and refines the answer. Null, empty or of another file: the answer rests on
   // the features alone.
   const body::ShapeSpace* shape_space = nullptr;
+  // The body file's model, needed with Turn::around; it must outlive the engine.
+  const body::BodyModel* body = nullptr;
   SensorKind sensor = SensorKind::unknown;  // where it is known: a driver may smooth away what shows it
   // Of the site and its camera: every answer is corrected before it is shown or used.
   std::optional<SiteCorrection> site;
@@ -101,7 +104,8 @@ struct EngineResult {
   std::array<std::uint32_t, kArmCount> arms_close_frames{};  // frames in which it was about each
   std::uint64_t frames_seen = 0;                             // processed
   std::uint64_t frames_used = 0;                             // accumulated behind the answer (or so far)
-  std::uint64_t frames_back = 0;                             // of frames_used: those of the back
+  std::uint64_t frames_back = 0;                             // of frames_used: those of the back or of the turn
+  float turned_deg = 0;  // with Turn::around, from TURNING on: how far the person has turned, + to the own left
   std::uint64_t frames_dropped = 0;         // given up unread because the engine was behind (live only)
   std::uint64_t sequence_gaps = 0;          // sequence numbers skipped
   std::uint64_t sequence_repeats = 0;       // frames whose sequence number did not grow

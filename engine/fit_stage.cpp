@@ -11,9 +11,12 @@ SessionRules rules_of(const EngineSettings& settings) {
   rules.frames_wanted = settings.frames_wanted;
   rules.frames_min = settings.frames_min;
   rules.calibration_psi = settings.calibration_psi;
-  rules.turn = settings.turn == Turn::asked;
+  rules.turn = settings.turn != Turn::none;
+  rules.around = settings.turn == Turn::around;
   return rules;
 }
+
+constexpr int kFollowPeriods = 3;  // ten pictures a second of a person who turns
 
 EngineResult empty_result() {
   EngineResult result;
@@ -111,6 +114,7 @@ void FitStage::process(const FrameSlot& slot) {
   view.view = detection.view;
   view.arms_close = detection.arms_close;
   view.frames_accumulated = stages_.frame_count();
+  view.turned_deg = stages_.turned_deg();
   if (view.found) view.motion = motion_.step(detection.person.centroid_mm, detection.joints, slot.seconds);
   view.psi = rules_.calibration_psi && view.found && is_psi_pose(detection.joints, floor.up);
 
@@ -122,6 +126,8 @@ void FitStage::process(const FrameSlot& slot) {
   take_counts(slot.counts);
   result_.guidance = step.guidance;
   result_.arms_close = step.arms_close;
+  unfollowed_periods_ += slot.periods;
+  if (step.follow && unfollowed_periods_ >= kFollowPeriods) follow(slot);
   const bool enough = step.use_frame && accumulate(slot);
   take_guidance(result_.guidance);
   if (step.measure) {
@@ -159,6 +165,12 @@ bool FitStage::accumulate(const FrameSlot& slot) {
   session_ = offer.next;
   if (offer.forget) forget();
   return offer.measure;
+}
+
+void FitStage::follow(const FrameSlot& slot) {
+  unfollowed_periods_ = 0;
+  stages_.follow(slot.depth, slot.mask, intrinsics_);
+  result_.turned_deg = stages_.turned_deg();
 }
 
 void FitStage::end_turning(bool with_back, bool ended) {
@@ -199,7 +211,9 @@ void FitStage::measure(bool ended) {
     take_guidance(result_.guidance);
     return;
   }
-  result_.views = front_frames_ > 0 ? AnswerViews::front_and_back : AnswerViews::front;
+  result_.views = person.around                         ? AnswerViews::around
+                  : front_frames_ > 0 && !rules_.around ? AnswerViews::front_and_back
+                                                        : AnswerViews::front;
   result_.answer = person.answer;
   result_.uncorrected = person.answer.measurements;
   if (site_) site_->apply(result_.answer);

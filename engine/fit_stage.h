@@ -42,6 +42,7 @@ class FitStage {
   void show(const FrameSlot& slot);
   void wait_for_leaving(const FrameSlot& slot);
   bool accumulate(const FrameSlot& slot);  // true: enough to measure
+  void follow(const FrameSlot& slot);
   void measure(bool ended);
   void end_turning(bool with_back, bool ended);
   void forget();
@@ -59,7 +60,8 @@ class FitStage {
   ChainFilter chain_;
   JointFilter steady_;
   MotionFilter motion_;
-  int front_frames_ = 0;  // accumulated before TURNING; 0 while the front is being accumulated
+  int unfollowed_periods_ = 0;  // since the last picture of a turn
+  int front_frames_ = 0;        // accumulated before TURNING; 0 while the front is being accumulated
   std::optional<Error> fault_;
   const bool one_after_another_;
   bool leaving_ = false;

@@ -14,6 +14,7 @@ namespace im2fit {
 // The result of a session.
 struct MeasuredPerson {
   index::Answer answer;
+  bool around = false;  // it rests on a turn, too
   AgeAnswer age;
   body::SeenBody seen;
   MeasurementValues paper{};
@@ -46,6 +47,9 @@ class FrameStages {
   virtual bool measure(MeasuredPerson& person) = 0;
   // Why the last measure() failed, if the cause is a damaged file and not the accumulated frames. Else null.
   virtual const Error* fault() const { return nullptr; }
+  // With Turn::around, from turn() on: the next picture of the person who turns. False: too little is seen.
+  virtual bool follow(DepthView /*depth*/, MaskView /*mask*/, const Intrinsics& /*intrinsics*/) { return false; }
+  virtual float turned_deg() const { return 0; }
   // Keeps the accumulated frames as the front and accumulates the back from now on; measure() then measures both.
   // Called only with EngineSettings::turn.
   virtual void turn() = 0;
@@ -64,6 +68,7 @@ struct StageOptions {
   Turn turn = Turn::none;
   ClothingGiven clothing = ClothingGiven::unknown;
   const body::ShapeSpace* shape_space = nullptr;
+  const body::BodyModel* body = nullptr;  // with Turn::around
   SensorKind sensor = SensorKind::unknown;
 };
 // PersonDetector, Fuser and Index. Model, index and space must outlive the stages.

@@ -6,6 +6,7 @@
 #include "engine/sensing_stages.h"
 #include "estimate/refined_query.h"
 #include "estimate/restored_edges.h"
+#include "estimate/turn_measurement.h"
 
 namespace im2fit {
 namespace {
@@ -16,7 +17,9 @@ class ProductionStages final : public SensingStages {
                    const StageOptions& options)
       : SensingStages(width, height, joint_model, options.turn),
         sensor_(options.sensor),
-        query_(index, options.shape_space, options.clothing) {}
+        query_(index, options.shape_space, options.clothing) {
+    if (options.turn == Turn::around) around_.emplace(*options.body, width, height);
+  }
 
   bool measure(MeasuredPerson& person) override {
     fault_.reset();
@@ -36,6 +39,11 @@ class ProductionStages final : public SensingStages {
     if (edges_restored())
       restored_edges_correction(static_cast<float>(described.distance_mm) / front().intrinsics().fx)
           .apply(person.answer);
+    // A person in clothes would be measured in the clothes.
+    person.around = around_ && !person.answer.clothed && around_->measure(person.answer);
+    seen_ = answer->seen;
+    joints_ = described.joints;
+    floor_ = described.floor;
     person.age = answer->age;
     person.seen = answer->seen;
     person.paper = to_values(described.paper);
@@ -44,12 +52,47 @@ class ProductionStages final : public SensingStages {
     return true;
   }
 
+  void turn() override {
+    SensingStages::turn();
+    followed_ = 0;
+    following_ =
+        around_ && around_->begin({seen_, joints_, floor_, front().depth_q4(), front().mask(), front().intrinsics()});
+  }
+  bool follow(DepthView depth, MaskView mask, const Intrinsics& intrinsics) override {
+    if (!following_ || !around_->follow(depth, mask, intrinsics)) return false;
+    ++followed_;
+    return true;
+  }
+  float turned_deg() const override { return around_ ? around_->turned_deg() : 0; }
+  int frame_count() const override { return following_ ? followed_ : SensingStages::frame_count(); }
+  void drop_back() override {
+    SensingStages::drop_back();
+    stop_following();
+  }
+  void reset_fit() override {
+    SensingStages::reset_fit();
+    stop_following();
+  }
+
   const Error* fault() const override { return fault_ ? &*fault_ : nullptr; }
 
  private:
   const SensorKind sensor_;
   RefinedQuery query_;
   std::optional<Error> fault_;
+
+  void stop_following() {
+    following_ = false;
+    followed_ = 0;
+    if (around_) around_->reset();
+  }
+  // Of Turn::around: the front as measured last, and the pictures followed since.
+  std::optional<TurnMeasurement> around_;
+  body::SeenBody seen_;
+  JointSet joints_;
+  FloorPlane floor_;
+  bool following_ = false;
+  int followed_ = 0;
 };
 
 }  // namespace
@@ -68,6 +111,10 @@ Result<std::unique_ptr<FrameStages>> make_production_stages(int width, int heigh
     return Error{
         ErrorCode::unsupported,
         "people in clothes are measured by a fitted shape, which needs the body file the index was made with"};
+  if (options.turn == Turn::around && (options.body == nullptr || options.body->shape_space().point_count == 0))
+    return Error{ErrorCode::invalid_argument,
+                 "a turn is measured with the body file the index was made with; none is given, or it has no shape "
+                 "space (im2fit-lab fetch adds it)"};
   return std::unique_ptr<FrameStages>(std::make_unique<ProductionStages>(width, height, joint_model, index, options));
 }
 
@@ -84,8 +131,9 @@ Result<std::unique_ptr<Engine>> Engine::create(const EngineSettings& settings, c
     return Error{ErrorCode::invalid_argument,
                  "the index was made with another tracker than this one and would measure people wrong; take the two "
                  "that were made together, or make the index again with this tracker (im2fit-lab index --tracker)"};
-  auto stages = make_production_stages(settings.width, settings.height, joint_model, index,
-                                       {settings.turn, settings.clothing, settings.shape_space, settings.sensor});
+  auto stages = make_production_stages(
+      settings.width, settings.height, joint_model, index,
+      {settings.turn, settings.clothing, settings.shape_space, settings.body, settings.sensor});
   if (!stages) return stages.error();
   return create_engine(settings, std::move(*stages));
 }

@@ -18,10 +18,12 @@ SessionStep on_absence(const SessionRules& rules, SessionStep step, int periods)
   next.psi_frames = 0;
   next.absent_periods += periods;
   if (next.absent_periods <= rules.absent_periods_max) return step;
-  if (next.state == SessionState::turning)
-    step.measure = step.drop_back = true;
-  else
+  if (next.state == SessionState::turning) {
+    step.measure = true;
+    step.drop_back = !rules.around;
+  } else {
     next.state = SessionState::lost;
+  }
   return step;
 }
 
@@ -84,9 +86,32 @@ SessionStep on_turning(const SessionRules& rules, SessionStep step, const Sessio
   return step;
 }
 
+// What a person who turns can do something about. The side seen, arms and movement are those of the turn.
+constexpr GuidanceSet kWhileTurning = bit(Guidance::too_near) | bit(Guidance::too_far) | bit(Guidance::feet_cut) |
+                                      bit(Guidance::head_cut) | bit(Guidance::several_people) |
+                                      bit(Guidance::too_noisy);
+
+SessionStep on_turning_round(const SessionRules& rules, SessionStep step, const SessionView& view) {
+  Session& next = step.next;
+  step.guidance &= kWhileTurning;
+  step.follow = step.guidance == 0;
+  const float turned = view.turned_deg < 0 ? -view.turned_deg : view.turned_deg;
+  if (turned >= next.farthest_deg + rules.turn_progress_deg) {
+    next.farthest_deg = turned;
+    next.turning_periods = 0;
+  }
+  step.measure = turned >= rules.turn_whole_deg;
+  if (!step.measure) step.guidance |= bit(Guidance::turn_round);
+  return step;
+}
+
 // Every frame of TURNING counts, also those without the person.
 void bound_turning(const SessionRules& rules, SessionStep& step, const SessionView& view) {
   step.next.turning_periods += view.periods;
+  if (rules.around) {
+    step.measure = step.measure || step.next.turning_periods > rules.turn_wait_periods_max;
+    return;
+  }
   if (step.next.turning_periods - view.frames_accumulated <= rules.turn_wait_periods_max || step.measure) return;
   step.use_frame = false;
   step.measure = true;
@@ -121,6 +146,7 @@ SessionStep step_of(const SessionRules& rules, const Session& session, const Ses
   next.user = view.user;
   // The side seen is a guess while the person is bent or the head is outside the picture.
   const bool guessed = has(view.guidance, Guidance::not_upright) || has(view.guidance, Guidance::head_cut);
+  if (next.state == SessionState::turning && rules.around) return on_turning_round(rules, step, view);
   if (next.state == SessionState::turning) return on_turning(rules, step, view, guessed);
   add_arms(step, view);
   if (is_moving(rules, view)) {
@@ -195,6 +221,7 @@ MeasuringStep after_measuring(const SessionRules& rules, const Session& session,
     step.next.rejected_periods = 0;
     step.next.turning_periods = 0;
     step.next.turned = false;
+    step.next.farthest_deg = 0;
     return step;
   }
   step.forget = true;

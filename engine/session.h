@@ -7,6 +7,10 @@
 //   LOST from USER_FOUND, CALIBRATING and TRACKING; back to USER_FOUND when a person is found again, at most
 //   attempts_max times. MEASURED ends the session.
 //
+// TURNING around: the front is measured, the guidance is TURN_ROUND, and every frame of the person is a picture of
+// the turn. It ends in MEASURED when the turn is whole, when it has not gone on for turn_wait_periods_max, when the
+// person left, or at the end of the stream; less than half a turn is left out.
+//
 // TURNING: the front is measured, the guidance is TURN_ROUND, and the back is accumulated. It ends in MEASURED
 // whatever the person does: with both sides when frames_wanted frames of the back are accumulated, or frames_min of
 // them by the end of the stream or of turn_wait_periods_max; with the front alone when there are fewer, or the person
@@ -30,6 +34,7 @@ struct SessionRules {
   int frames_min = 5;
   bool calibration_psi = false;
   bool turn = false;
+  bool around = false;  // with `turn`: the whole turn is followed
   int absent_periods_max = kAbsentPeriodsMax;
   int psi_frames = 5;               // in a row
   int psi_wait_periods_max = 300;   // ten seconds to take the pose
@@ -42,7 +47,9 @@ struct SessionRules {
   float body_speed_max_mm_s = 60;
   float limb_speed_max_mm_s = 300;
   float body_speed_plain_mm_s = 150;  // movement that is reported beside other guidance
-  int attempts_max = 8;               // beginnings after the first, by loss or by a pose that changed
+  float turn_whole_deg = 330;
+  float turn_progress_deg = 10;
+  int attempts_max = 8;  // beginnings after the first, by loss or by a pose that changed
 };
 
 struct Session {
@@ -55,6 +62,7 @@ struct Session {
   int attempts = 0;
   int turning_periods = 0;  // in TURNING
   bool turned = false;      // in TURNING: the back has been seen, and no front since
+  float farthest_deg = 0;   // in TURNING, around
   int user = 0;             // the user of the latest frame that counted, in FIT's time; 0 before USER_FOUND
   ArmsMemory arms;          // of that user, since USER_FOUND; in TURNING: since the back was seen
 };
@@ -70,6 +78,7 @@ struct SessionView {
   Motion motion = {};
   int frames_accumulated = 0;  // before this frame; in TURNING: of the back
   ArmSet arms_close = 0;
+  float turned_deg = 0;  // in TURNING, around
 };
 
 struct SessionStep {
@@ -78,6 +87,7 @@ struct SessionStep {
   ArmSet arms_close = 0;     // which arms arms_close is about
   bool forget = false;       // drop what is accumulated (in TURNING: of the back), before using this frame
   bool use_frame = false;    // offer the frame to the fuser, then call after_offer
+  bool follow = false;       // a picture of the turn
   bool measure = false;      // TURNING is over: call after_measuring
   bool drop_back = false;    // before measuring: the front alone
 };

@@ -283,6 +283,8 @@ std::string_view name_of(AnswerViews views) {
       return "front";
     case AnswerViews::front_and_back:
       return "front+back";
+    case AnswerViews::around:
+      return "around";
     case AnswerViews::none:
       break;
   }

@@ -28,7 +28,7 @@ void phone(EvaluationOptions& o) {
   o.height = 192;
 }
 
-constexpr std::array<Word, 39> kWords = {{
+constexpr std::array<Word, 41> kWords = {{
     {"noise", "a Kinect in a furnished room, 2.0 to 2.6 m away", true, [](EvaluationOptions& o) { o.noise = true; }},
     {"bare", "a perfect sensor in an empty room", true, [](EvaluationOptions& o) { o.noise = false; }},
     {"tof", "a time-of-flight sensor in place of the Kinect", true, [](EvaluationOptions& o) { o.tof = true; }},
@@ -93,6 +93,16 @@ constexpr std::array<Word, 39> kWords = {{
      [](EvaluationOptions& o) { o.known = KnownOf::all; }},
     {"20kg-off", "the weight reported is wrong by 20 kg", false,
      [](EvaluationOptions& o) { o.known_weight_off_kg = 20; }},
+    {"around", "the front, then one turn on the spot, arms held off the body", false,
+     [](EvaluationOptions& o) {
+       o.views = Views::around;
+       o.pose = StandingPose::arms_out;
+     }},
+    {"half-turn", "the front, then half a turn on the spot, arms held off the body", false,
+     [](EvaluationOptions& o) {
+       o.views = Views::half;
+       o.pose = StandingPose::arms_out;
+     }},
     {"both", "front, then back", true, [](EvaluationOptions& o) { o.views = Views::both; }},
     {"features", "features alone, no shape is fitted", true, [](EvaluationOptions& o) { o.fit = false; }},
 }};

@@ -25,7 +25,8 @@ namespace im2fit::lab {
 
 // Which sides of the person the camera is shown. `both`: front first, then the back, once the engine requests the
 // turn.
-enum class Views { front, back, both };
+// `around`, `half`: the person steps round once, or half, from then on.
+enum class Views { front, back, both, around, half };
 
 // Who is measured (docs/evaluation.md). `modifiers`: the body model's held-out family, of the same sliders as
 // training people. `ansur`: people of measured dimensions made in another way (evaluation/population/ansur_people.h).

@@ -155,6 +155,32 @@ class Camera {
   DepthImage sensor_image_, image_;
 };
 
+constexpr int kFrontShown = 90;                              // before the first step
+constexpr double kTurnSecondsMin = 6, kTurnSecondsMax = 15;  // of a whole turn
+constexpr std::uint64_t kTurnStream = 0x7024E;
+
+// One scene: the person stands, steps round, and stands a second.
+Status show_turn(Engine& engine, const SessionModels& models, const HeldOutPerson& person, float degrees,
+                 const JointWatch& watch) {
+  const auto& capture = person.capture;
+  Rng rng = Rng::for_item(capture.seed, kTurnStream, 0);
+  SceneOptions options = capture.scene;
+  options.step_round = {kFrontShown,
+                        static_cast<float>(rng.uniform(kTurnSecondsMin, kTurnSecondsMax)) * degrees / 360, degrees};
+  VirtualScene scene(models.body, person.subject, options, capture.sensor, capture.intrinsics, capture.seed);
+  Camera camera(capture.intrinsics, person);
+  const auto frames = static_cast<std::uint64_t>(kFrontShown + 30 + options.step_round.seconds * 30);
+  for (std::uint64_t frame = 0; frame < frames && !engine.result().measured; ++frame) {
+    hal::FrameInfo info;
+    info.sequence = frame;
+    info.host_ns = static_cast<std::int64_t>(frame) * 33'333'333;
+    if (auto pushed = engine.push(camera.take(scene, frame), info); !pushed) return pushed;
+    const EngineResult now = engine.result();
+    if (now.has_joints && watch) watch(now.joints, scene.joints(frame));
+  }
+  return Ok{};
+}
+
 }  // namespace
 
 bool told_to_lift_arms(const EngineResult& result, int frames_wanted) {
@@ -179,12 +205,23 @@ Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const H
   settings.clothing =
       person.clothing_reported ? dressed ? ClothingGiven::dressed : ClothingGiven::bare : ClothingGiven::unknown;
   if (views == Views::both) settings.turn = Turn::asked;
+  if (views == Views::around || views == Views::half) {
+    settings.turn = Turn::around;
+    settings.body = &models.body;
+  }
   auto engine = Engine::create(settings, models.joints, models.index);
   if (!engine) return engine.error();
 
+  if (settings.turn == Turn::around) {
+    if (auto shown = show_turn(**engine, models, person, views == Views::half ? 180.0F : 360.0F, watch); !shown)
+      return shown.error();
+    (*engine)->finish();
+    if (auto sound = (*engine)->fault(); !sound) return sound.error();
+    return std::move(*engine);
+  }
   std::vector<bool> sides;
   if (views != Views::back) sides.push_back(false);
-  if (views != Views::front) sides.push_back(true);
+  if (views == Views::back || views == Views::both) sides.push_back(true);
   const int shown_a_side = std::max(kShownMin, capture.frame_count * kShownPerWanted);
   std::uint64_t frame = 0;
   StandingPose pose = capture.scene.pose;
