@@ -84,7 +84,10 @@ Result<MeasuringData> load_measuring_data(const MeasuringFiles& files, Measuring
 Result<std::unique_ptr<Engine>> make_engine(EngineSettings settings, const MeasuringData& data,
                                             const std::string& camera) {
   if (data.site != nullptr) settings.site = data.site->for_camera(camera);
-  if (data.body_model != nullptr) settings.shape_space = &data.body_model->shape_space();
+  if (data.body_model != nullptr) {
+    settings.shape_space = &data.body_model->shape_space();
+    settings.body = &*data.body_model;
+  }
   auto engine = Engine::create(settings, data.tracker->model(), *data.index);
   if (!engine)
     return Error{engine.error().code,

@@ -246,6 +246,8 @@ std::string result_table(const SessionOutcome& outcome, bool paper) {
   text += fmt::format("{} frames seen, {} used", result.frames_seen, result.frames_used);
   if (result.views == AnswerViews::front_and_back)
     text += fmt::format(", {} of them of the back", result.frames_back);
+  if (result.views == AnswerViews::around)
+    text += fmt::format(", {} of them of a turn by {:.0f} degrees", result.frames_back, std::fabs(result.turned_deg));
   text += '\n';
   return text;
 }

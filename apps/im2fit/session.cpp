@@ -34,10 +34,14 @@ void add_session_options(cli::App& sub, SessionOptions& options) {
   sub.add_option("--calibration", options.calibration, "Pose requested first: none, or psi as in the paper")
       ->one_of({"none", "psi"})
       ->capture_default_str();
-  sub.add_flag(
+  auto* turn = sub.add_flag(
       "--turn", options.turn,
       "Measure front and back: guidance TURN_ROUND requests the turn. If the person does not turn within 15 s, "
       "or leaves, the front alone is used");
+  sub.add_flag("--around", options.around,
+               "Measure all round: after the front the person turns once on the spot, slowly, in 6 to 15 s, with the "
+               "arms held off the body. Half a turn is enough; with less the front alone is used")
+      ->excludes(turn);
   sub.add_option(
          "--clothing", options.clothing,
          "Clothing of the person. bare: underwear or close-fitting sportswear. dressed: the body underneath is "
@@ -122,7 +126,7 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
   outcome.motion = std::move(motion);
   outcome.shown = std::move(shown);
   outcome.engine = std::move(*engine);
-  outcome.turn_asked = options.turn;
+  outcome.turn_asked = options.turn || options.around;
   outcome.tap = std::make_unique<FrameTap>(*outcome.input.source, 0, std::move(watch));
   catch_interrupt();
   return outcome;
