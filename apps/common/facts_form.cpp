@@ -37,7 +37,7 @@ Result<bool> word_field(const std::string& name, const Json& field, const char* 
 
 Result<KnownFacts> facts_of_form(std::string_view body) {
   const Json form = Json::parse(body, nullptr, false);
-  if (!form.is_object()) return bad_form("the body must be a JSON object");
+  if (!form.is_object()) return bad_form("expected a JSON object");
   KnownFacts facts;
   bool of_scale = false, has_origin = false;
   for (const auto& [name, field] : form.items()) {

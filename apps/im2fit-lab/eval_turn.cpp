@@ -8,6 +8,7 @@
 #include "apps/common/progress.h"
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/samples.h"
+#include "body/fit/point_mesh.h"
 #include "body/fit/turn_fitter.h"
 #include "core/file.h"
 #include "evaluation/measurements/turn_study.h"
@@ -50,8 +51,9 @@ Result<int> run_eval_turn(const EvalTurnCommand& given) {
   options.study.people.noise = !options.perfect;
   const auto model = load_body(options.body);
   if (!model) return model.error();
-  if (model->shape_space().point_count == 0)
-    return Error{ErrorCode::invalid_argument, options.body + ": has no shape space; im2fit-lab fetch adds it"};
+  if (!body::PointMesh(*model).valid())
+    return Error{ErrorCode::invalid_argument,
+                 options.body + ": has no shape space of its own mesh; im2fit-lab fetch adds it"};
   const auto tracker = Tracker::load(options.joint_model);
   if (!tracker) return tracker.error();
   if (*family == PeopleFamily::ansur || *family == PeopleFamily::mixed) {

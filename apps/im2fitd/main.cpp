@@ -61,9 +61,9 @@ class Daemon {
   Status measure_people(hal::Source& source);
   Status handle_result(const hal::Source& source);
   Status report_person(const hal::Source& source);
-  Status say_person(const hal::Source& source);
+  Status say_person(const EngineResult& result, const hal::Source& source);
   Status serve_clients(const hal::Source* source);
-  Status take_facts(const ClientLine& line, const hal::Source* source);
+  bool take_facts(const ClientLine& line, const hal::Source* source);
   void keep(const std::string& result);
   void feed_watchdog(bool waiting);
   std::string greeting() const;
@@ -84,6 +84,7 @@ class Daemon {
   apps::Json state_event_;
   std::optional<Config> reloaded_;
   std::optional<apps::ShownState> shown_;
+  std::optional<KnownFacts> facts_;  // of the person who is measured next
   std::uint64_t frames_ = 0;
   std::uint32_t session_ = 0;
   int persons_ = 0;
@@ -257,6 +258,9 @@ Status Daemon::handle_result(const hal::Source& source) {
   if (result.session != session_) {
     session_ = result.session;
     if (std::exchange(reported_, false)) say(apps::left_event(frames_, persons_));
+    // The same person, begun anew.
+    if (facts_)
+      if (auto set = engine_->set_known(*facts_, session_); !set) return set;
   }
   if (const auto shown = apps::shown_state(result); shown != shown_) {
     shown_ = shown;
@@ -270,42 +274,48 @@ Status Daemon::handle_result(const hal::Source& source) {
 Status Daemon::report_person(const hal::Source& source) {
   reported_ = true;
   ++persons_;
-  if (auto said = say_person(source); !said) return said;
-  log(Level::info, fmt::format("person {} is measured, from {} frames", persons_, engine_->result().frames_used));
+  facts_.reset();
+  engine_->finish();
+  const EngineResult result = engine_->result();
+  if (auto sound = engine_->fault(); !sound) return sound;
+  if (auto said = say_person(result, source); !said) return said;
+  log(Level::info, fmt::format("person {} is measured, from {} frames", persons_, result.frames_used));
+  engine_->next_person();
   return Ok{};
 }
 
-// Of the person measured last; afterwards frames are let in again.
-Status Daemon::say_person(const hal::Source& source) {
-  engine_->finish();
-  auto person = apps::measured_person(*engine_, data_, source.info());
+Status Daemon::say_person(const EngineResult& result, const hal::Source& source) {
+  auto person = apps::measured_person(result, data_, source.info());
   if (!person) return person.error();
   person->frames_damaged = source.stats().damaged;
   person->turn_asked = config_.measuring.turn;
   if (const std::string note = apps::body_note(*person); !note.empty()) log(Level::warning, note);
   say(apps::measured_event(frames_, persons_, *person));
   keep(result_json(*person));
-  engine_->next_person();
   return Ok{};
 }
 
-// `source`: null while no camera is there.
+// `source`: null while no camera is there. A person who is measured already is reported once, with the latest facts.
 Status Daemon::serve_clients(const hal::Source* source) {
   publisher_->serve(greeting());
+  bool corrected = false;
   for (const ClientLine& line : publisher_->take_lines())
-    if (auto taken = take_facts(line, source); !taken) return taken;
-  return Ok{};
+    if (take_facts(line, source)) corrected = true;
+  if (!corrected) return Ok{};
+  const EngineResult result = engine_->result();
+  return result.measured && result.session == session_ ? say_person(result, *source) : Status(Ok{});
 }
 
-// What the person in view reports of themselves: {"known": {...}}. No value is logged or sent to other clients.
-Status Daemon::take_facts(const ClientLine& line, const hal::Source* source) {
+// {"known": {...}}: what the person of the present session reports. The log has no value of it. True: of a person who
+// is measured already.
+bool Daemon::take_facts(const ClientLine& line, const hal::Source* source) {
   const auto refuse = [&](const std::string& reason) {
     publisher_->answer(line.client, apps::line_of({{"event", "refused"}, {"reason", reason}}));
-    return Ok{};
+    return false;
   };
   if (line.too_long) return refuse(fmt::format("a line has more than {} bytes", kClientLineMax));
   const auto sent = apps::Json::parse(line.text, nullptr, false);
-  if (!sent.is_object() || sent.size() != 1 || !sent.contains("known"))
+  if (!sent.is_object() || sent.size() != 1 || !sent.contains("known") || !sent["known"].is_object())
     return refuse("expected {\"known\": {...}} on one line (docs/daemon.md)");
   const auto facts = apps::facts_of_form(sent["known"].dump());
   if (!facts) return refuse("known: " + facts.error().message);
@@ -314,8 +324,9 @@ Status Daemon::take_facts(const ClientLine& line, const hal::Source* source) {
   const std::uint32_t session = engine_->result().session;
   if (auto set = engine_->set_known(*facts, session); !set) return refuse("known: " + set.error().message);
   const bool measured = reported_ && session == session_;
+  if (!measured) facts_ = *facts;
   say({{"event", "known"}, {"frame", frames_}, {"person", measured ? persons_ : persons_ + 1}});
-  return measured ? say_person(*source) : Status(Ok{});
+  return measured;
 }
 
 // Measuring goes on when the disk is full.

@@ -113,7 +113,8 @@ void Publisher::serve(const std::string& greeting) {
       log(Level::warning, "a client was refused: " + std::to_string(clients_.size()) + " are connected");
       continue;
     }
-    clients_.push_back({fd, ++accepted_, greeting, {}, false});
+    clients_.push_back({fd, ++accepted_, greeting, {}, false, 0});
+    if (!receive(clients_.back())) clients_.pop_back();
   }
   for (auto it = clients_.begin(); it != clients_.end();) it = send(*it) ? std::next(it) : clients_.erase(it);
 }
@@ -137,6 +138,13 @@ bool Publisher::receive(Client& client) {
   return true;
 }
 
+void Publisher::let_go(Client& client) {
+  std::array<char, kClientLineMax + 1> bytes;
+  const ssize_t count = ::recv(client.fd, bytes.data(), bytes.size(), MSG_DONTWAIT);
+  if (count > 0) take_bytes(client, {bytes.data(), static_cast<std::size_t>(count)});
+  ::close(client.fd);
+}
+
 void Publisher::take_bytes(Client& client, std::string_view bytes) {
   while (!bytes.empty()) {
     const std::size_t end = bytes.find('\n');
@@ -147,14 +155,17 @@ void Publisher::take_bytes(Client& client, std::string_view bytes) {
     }
     if (end == std::string_view::npos) return;
     bytes.remove_prefix(end + 1);
-    if (lines_.size() < kClientLinesMax)
+    if (client.lines < kClientLinesMax) {
+      ++client.lines;
       lines_.push_back({client.number, client.too_long, client.too_long ? std::string() : client.sent});
+    }
     client.sent.clear();
     client.too_long = false;
   }
 }
 
 std::vector<ClientLine> Publisher::take_lines() {
+  for (Client& client : clients_) client.lines = 0;
   return std::exchange(lines_, {});
 }
 
@@ -177,7 +188,7 @@ bool Publisher::send(Client& client) {
     }
     if (count < 0 && errno == EINTR) continue;
     if (count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) break;
-    ::close(client.fd);
+    let_go(client);
     return false;
   }
   if (client.waiting.size() <= options_.client_buffer_bytes) return true;

@@ -28,7 +28,7 @@ struct ClientLine {
   std::string text;
 };
 inline constexpr std::size_t kClientLineMax = 1024;
-inline constexpr std::size_t kClientLinesMax = 64;  // waiting to be taken; further ones are dropped
+inline constexpr std::size_t kClientLinesMax = 8;  // of one client, waiting to be taken; further ones are dropped
 
 // One thread.
 class Publisher {
@@ -44,7 +44,7 @@ class Publisher {
   // Accepts waiting clients and sends each the `greeting` first; sends pending lines; drops clients that have gone.
   void serve(const std::string& greeting);
   void publish(const std::string& line);
-  // What clients sent since the last call, in order of arrival.
+  // What clients sent since the last call, also those that have gone; of each client in order.
   std::vector<ClientLine> take_lines();
   // To that client alone; nothing when it has gone.
   void answer(std::uint64_t client, const std::string& line);
@@ -61,10 +61,12 @@ class Publisher {
     std::string waiting;    // not yet taken by the system
     std::string sent;       // by the client, up to the next line end
     bool too_long = false;  // the line being sent
+    std::size_t lines = 0;  // waiting to be taken
   };
   explicit Publisher(PublisherOptions options) : options_(std::move(options)) {}
   bool send(Client& client);     // false: gone or too slow, and closed
   bool receive(Client& client);  // false: gone, and closed
+  void let_go(Client& client);   // takes what it sent last, and closes
   void take_bytes(Client& client, std::string_view bytes);
 
   PublisherOptions options_;

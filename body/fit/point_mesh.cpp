@@ -71,7 +71,7 @@ PointMesh::PointMesh(const BodyModel& model) : model_(model), quads_(quads_of_sh
         const Vec3f d = middles[i] - mesh[v];
         if (dot(d, d) < near.front().first) near.front() = {dot(d, d), i};
       }
-    float reach = 0;
+    float reach = 1;
     for (const auto& [square, i] : near)
       if (square < 1e30F) reach = std::max(reach, square * kFarthest);
     float sum = 0;
@@ -86,6 +86,7 @@ PointMesh::PointMesh(const BodyModel& model) : model_(model), quads_(quads_of_sh
 }
 
 void PointMesh::run(std::span<const Vec3f> points, const Skeleton& bones, std::span<Vec3f> mesh) {
+  if (!valid()) return;
   for (int round = 0; round < kRounds; ++round) {
     for (std::size_t i = 0; i < quads_.size(); ++i) off_[i] = points[i] - middle(mesh, quads_[i]);
     for (std::size_t v = 0; v < mesh.size(); ++v) {

@@ -16,7 +16,7 @@ namespace im2fit::body {
 // Not shareable between threads; the model must outlive it. No allocation after construction.
 class PointMesh {
  public:
-  // Of a model with a shape space of its own mesh; valid() is false without.
+  // Of a model with a shape space of its own mesh. Without one valid() is false and run() changes nothing.
   explicit PointMesh(const BodyModel& model);
   bool valid() const { return !quads_.empty(); }
   // `points`: of the shape space, at rest; `bones`: at rest. `mesh`: on input the rest mesh of parameters near the

@@ -28,7 +28,7 @@ float weight_of(const SkinRecord& skin, auto... segments) {
   return sum;
 }
 
-// e^-x for x >= 0, to 1e-4: (1 + x / 256)^-256. + - * / only, the same bits on every machine.
+// e^-x for x >= 0, to 0.2 %: (1 + x / 256)^-256. + - * / only, the same bits on every machine.
 float decay(float x) {
   float y = 1 / (1 + x * (1.0F / 256));
   for (int i = 0; i < 8; ++i) y *= y;
@@ -47,6 +47,7 @@ SkinBumps::SkinBumps(const ShapeSpace& space) {
     if (weight_of(space.skin[i], Segment::head, Segment::left_hand, Segment::right_hand, Segment::left_foot,
                   Segment::right_foot) > kLeftOutMin)
       continue;
+    if (!(norm(normal[i]) > 0) || centres.size() == kBumpMax) continue;
     const bool apart = std::all_of(centres.begin(), centres.end(), [&](std::size_t c) {
       return norm(middle(space, c) - middle(space, i)) >= kApartMm || dot(normal[c], normal[i]) <= 0;
     });

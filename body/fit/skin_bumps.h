@@ -13,7 +13,8 @@
 
 namespace im2fit::body {
 
-// Of the mean body of a space; none lies on head, hands or feet.
+// Of the mean body of a space; none lies on head, hands or feet. At most kBumpMax.
+inline constexpr std::size_t kBumpMax = 256;
 struct SkinBumps {
   explicit SkinBumps(const ShapeSpace& space);
   std::size_t count = 0;

@@ -25,7 +25,7 @@ constexpr float kRimSdMm = 9;
 constexpr float kRimOutlierMm = 10;
 constexpr float kCorrelated = 4;  // neighbouring distances err together: each counts for so much less
 constexpr float kSoleSdMm = 8;
-constexpr float kSoleCount = 6 / 2;  // the soles of a foot count as so many equations
+constexpr float kSoleCount = 3;  // a foot's sole counts as so many equations
 constexpr float kUprightSd = 0.07F;
 constexpr float kFollowedSd = 0.08F;  // of a turn, from the picture before
 constexpr float kOwnShare = 0.5F;     // of the pose before the fit in the mean of poses
@@ -62,8 +62,8 @@ constexpr std::size_t kStepsWithoutBumps = 3;
 constexpr std::array<float, 2> kAgainGatesMm = {30, 30};
 constexpr float kFieldGateMm = 30;
 constexpr int kFieldRounds = 1;
-constexpr float kReachOfGate = 0.7F;  // of an outline
-constexpr float kTurnOnShare = 0.7F, kShiftOnShare = 0.5F;
+constexpr float kReachOfGate = 0.7F;  // how far an outline is looked for, of the gate for surfaces
+constexpr float kTurnOnShare = 0.7F, kShiftOnShare = 0.5F;  // of the last step, carried on
 
 constexpr float kFieldOutlierMm = 8;
 constexpr float kFieldSaturation = 0.05F;
@@ -111,8 +111,8 @@ Vec3f turn_of(const Mat3f& r) {
   return {0.5F * (r.m[7] - r.m[5]), 0.5F * (r.m[2] - r.m[6]), 0.5F * (r.m[3] - r.m[1])};
 }
 
-// The rotation nearest to a sum of alike rotations: Newton's iteration for the polar decomposition (Higham 1986),
-// which converges for all that are not near a half turn apart.
+// The rotation nearest to a sum of alike rotations: the Newton-Schulz iteration for the polar decomposition, which
+// converges for all that are not near a half turn apart.
 Mat3f nearest_rotation(Mat3f a, float count) {
   for (float& v : a.m) v /= count;
   for (int i = 0; i < 12; ++i) {
@@ -164,6 +164,7 @@ class TurnFitter::Work {
     bool shape = false;    // else the pose alone
   };
 
+  void restore();
   void set_shape();
   void see(const View& view);
   void fill_cells(Vec3f c, int cells, std::uint32_t point);
@@ -183,6 +184,7 @@ class TurnFitter::Work {
   void take_step(View& view, std::span<const double> moved);
   Pose mean_pose() const;
   void add_field();
+  bool fit();
   void finish();
 
   const ShapeSpace& space_;
@@ -197,6 +199,7 @@ class TurnFitter::Work {
   PersonAxes axes_;
   bool floor_ = false;
   Pose reference_, before_;
+  std::array<float, kShapeMax> begun_{};  // the shape that begin() was given
   std::vector<float> bump_, field_mm_, move_mm_;
 
   // Of the view seen last.
@@ -211,7 +214,6 @@ class TurnFitter::Work {
   Intrinsics seen_k_;
   int cells_x_ = 0, cells_y_ = 0;
   float cell_px_ = kCellPx;
-  double surface_sum_ = 0;
   int surface_rows_ = 0, rim_rows_ = 0;
 
   // Of the field.
@@ -266,6 +268,15 @@ void TurnFitter::Work::begin(std::span<const float> shape, const Pose& start, co
   axes_ = axes;
   floor_ = floor;
   turned_deg = 0;
+  begun_ = result.shape;
+  set_shape();
+}
+
+// What follow() goes on from.
+void TurnFitter::Work::restore() {
+  result.shape = begun_;
+  std::fill(bump_.begin(), bump_.end(), 0.0F);
+  std::fill(field_mm_.begin(), field_mm_.end(), 0.0F);
   set_shape();
 }
 
@@ -325,7 +336,7 @@ void TurnFitter::Work::fill_cells(Vec3f c, int cells, std::uint32_t point) {
 }
 
 // Behind another part of the body. A cell holds what lies within 25 mm, so a slanted skin hides itself a little; a
-// limb before a trunk is told from that by its distance on the skin.
+// limb before a trunk is told from that by its distance on the mean body.
 bool TurnFitter::Work::hidden(std::size_t i) const {
   const Intrinsics& k = seen_k_;
   const Vec3f c = in_camera_[i];
@@ -377,7 +388,7 @@ void TurnFitter::Work::put_row(std::size_t i, Vec3f along, const RowColumns& col
 void TurnFitter::Work::add_points(std::size_t v, const Look& look, NormalEquations& equations) {
   const TurnSight sight(*views_[v].picture);
   for (const Group& group : groups_) {
-    equations.begin_rows(look.shape ? v : 0, group.columns);
+    equations.begin_rows(v, group.columns);
     for (const std::uint32_t i : group.points) {
       if (i % look.each != 0) continue;
       const Vec3f c = in_camera_[i], n = axes_.direction_to_camera(points_[i].normal);
@@ -387,7 +398,6 @@ void TurnFitter::Work::add_points(std::size_t v, const Look& look, NormalEquatio
         if (hidden(i) || !sight.surface_over(c, n, look.gate_mm, off)) continue;
         const float far = c.z / kSurfaceAtMm, sd = kSurfaceSdMm * far * far;
         weight = robust(1 / (sd * sd * kCorrelated), off, kSurfaceOutlierMm);
-        surface_sum_ += static_cast<double>(std::fabs(off));
         ++surface_rows_;
       } else if (std::fabs(facing_[i]) < kRimFacingMax) {
         Vec3f direction;
@@ -426,7 +436,7 @@ void TurnFitter::Work::add_soles(std::size_t v, const Look& look, NormalEquation
   const std::size_t low = count[0] == 0 || (count[1] > 0 && mean(1) < mean(0)) ? 1 : 0;
   const float weight = kSoleCount / (kSoleSdMm * kSoleSdMm * static_cast<float>(count[low]));
   for (const Group& group : groups_) {
-    equations.begin_rows(look.shape ? v : 0, group.columns);
+    equations.begin_rows(v, group.columns);
     for (const std::uint32_t i : group.points) {
       if (!is_foot(space_.skin[i], foot(low)) || !sole(i)) continue;
       put_row(i, {0, 1, 0}, group.columns, look.shape, equations.next_row());
@@ -439,7 +449,7 @@ void TurnFitter::Work::add_soles(std::size_t v, const Look& look, NormalEquation
 // `sd` 0: each segment's own.
 void TurnFitter::Work::add_pose_prior(std::size_t v, const Pose& to, NormalEquations& equations, float sd) {
   const Pose& own = views_[v].pose;
-  const std::size_t block = equations.block_at(equations.size() == kPoseValues ? 0 : v);
+  const std::size_t block = equations.block_at(v);
   for (std::size_t t = 1; t < kTurning.size(); ++t) {
     const std::size_t s = at(kTurning[t]);
     const auto parent = static_cast<std::size_t>(kSegmentParent[s]);
@@ -453,7 +463,7 @@ void TurnFitter::Work::add_pose_prior(std::size_t v, const Pose& to, NormalEquat
 }
 
 void TurnFitter::Work::add_upright_prior(std::size_t v, NormalEquations& equations) {
-  const std::size_t block = equations.block_at(equations.size() == kPoseValues ? 0 : v);
+  const std::size_t block = equations.block_at(v);
   const Mat3f& pelvis = views_[v].pose.rotation[at(Segment::pelvis)];
   const Vec3f off = cross(Vec3f{0, 1, 0}, Vec3f{pelvis.m[1], pelvis.m[4], pelvis.m[7]});
   constexpr auto kWeight = static_cast<double>(1 / (kUprightSd * kUprightSd));
@@ -505,15 +515,15 @@ void TurnFitter::Work::take_step(View& view, std::span<const double> moved) {
 bool TurnFitter::Work::step(const Look& look, const Pose* before) {
   NormalEquations& equations = look.shape ? joint_ : pose_only_;
   equations.clear(view_count_);
-  surface_sum_ = 0;
   surface_rows_ = rim_rows_ = 0;
   const Pose mean = before != nullptr ? reference_ : mean_pose();
   for (std::size_t v = 0; v < view_count_; ++v) {
+    const int rows_before = surface_rows_;
     add_view(v, look, equations);
+    if (surface_rows_ - rows_before < kRowsMin) return false;
     add_pose_prior(v, mean, equations, 0);
     if (before != nullptr) add_pose_prior(v, *before, equations, kFollowedSd);
   }
-  if (surface_rows_ < kRowsMin * static_cast<int>(view_count_)) return false;
   const std::size_t shared = equations.shared_at();
   if (look.shape) {
     for (std::size_t k = 0; k < space_.shape_count; ++k)
@@ -623,37 +633,52 @@ void TurnFitter::Work::finish() {
     double sum = 0;
     int rows = 0;
     for (std::size_t i = 0; i < space_.point_count; ++i) {
+      if (hidden(i)) continue;
+      const Vec3f n = axes_.direction_to_camera(points_[i].normal);
       float off = 0;
-      if (!(facing_[i] > kFacingMin) || hidden(i) ||
-          !sight.surface_over(in_camera_[i], axes_.direction_to_camera(points_[i].normal), kFieldGateMm, off))
-        continue;
-      sum += static_cast<double>(std::fabs(off));
-      ++rows;
+      Vec3f direction;
+      if (facing_[i] > kFacingMin) {
+        if (!sight.surface_over(in_camera_[i], n, kFieldGateMm, off)) continue;
+        sum += static_cast<double>(std::fabs(off));
+        ++rows;
+      } else if (std::fabs(facing_[i]) < kRimFacingMax &&
+                 sight.outline_beside(in_camera_[i], n, kFieldGateMm * kReachOfGate, off, direction)) {
+        ++result.rim_rows;
+      }
     }
     result.surface_mm[v] = static_cast<float>(sum / std::max(rows, 1));
     result.surface_rows += rows;
   }
-  result.rim_rows = rim_rows_;
   result.valid = true;
+}
+
+bool TurnFitter::Work::fit() {
+  for (std::size_t i = 0; i < kJointGatesMm.size(); ++i)
+    if (!step({kJointGatesMm[i], 1, i >= kStepsWithoutBumps, true}, nullptr)) return false;
+  for (int round = 0; round < kFieldRounds; ++round) {
+    add_field();
+    for (const float gate : kAgainGatesMm)
+      if (!step({gate, 1, true, true}, nullptr)) return false;
+  }
+  return true;
 }
 
 void TurnFitter::Work::run(std::span<const TurnView> views) {
   result.valid = false;
   view_count_ = 0;
-  for (const TurnView& view : views.first(std::min(views.size(), kTurnViewMax)))
-    if (usable(view.picture)) views_[view_count_++] = {&view.picture, view.pose};
-  if (view_count_ == 0) return;
-  std::fill(bump_.begin(), bump_.end(), 0.0F);
-  std::fill(field_mm_.begin(), field_mm_.end(), 0.0F);
-  set_shape();
-  for (std::size_t i = 0; i < kJointGatesMm.size(); ++i)
-    if (!step({kJointGatesMm[i], 1, i >= kStepsWithoutBumps, true}, nullptr)) return;
-  for (int round = 0; round < kFieldRounds; ++round) {
-    add_field();
-    for (const float gate : kAgainGatesMm)
-      if (!step({gate, 1, true, true}, nullptr)) return;
+  for (const TurnView& view : views.first(std::min(views.size(), kTurnViewMax))) {
+    if (!usable(view.picture)) return;
+    views_[view_count_++] = {&view.picture, view.pose};
   }
-  finish();
+  if (view_count_ == 0) return;
+  restore();
+  std::array<float, kShapeMax> found = begun_;
+  if (fit()) {
+    finish();
+    found = result.shape;
+  }
+  restore();
+  result.shape = found;
 }
 
 TurnFitter::TurnFitter(const ShapeSpace& space) : work_(std::make_unique<Work>(space)) {}

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // One body from many depth pictures of a person who turns round before a fixed camera. The body known from the front
 // is followed from picture to picture by its pose alone; then one shape and a pose of each of some pictures are
-// fitted together, the shape by people's components and smooth bumps; then what is left between skin and pictures
-// becomes a field of offsets. What two views on opposite sides never see, a thickness, is measured so.
+// fitted together, the shape by people's components and smooth bumps; what is left between skin and pictures becomes
+// a field of offsets. What two views on opposite sides never see, a thickness, is measured so.
 // Equations and weights: docs/fit.md.
 //
 // Only + - * / and sqrt in written order: the same bits on every machine. No allocation after construction.
@@ -57,7 +57,9 @@ class TurnFitter {
   // How far the person has turned since begin(), degrees: + to the person's left. Through 180 and beyond.
   float turned_deg() const;
 
-  // One to kTurnViewMax pictures; further ones are ignored. The result is valid until the next call.
+  // One to kTurnViewMax pictures; further ones are ignored. Depends on begin() and the views alone, and does not
+  // change what follow() goes on from. Not valid: a picture is not usable(), or too little of the body is seen in the
+  // pictures. The result stands until the next call.
   const TurnFit& run(std::span<const TurnView> views);
 
  private:

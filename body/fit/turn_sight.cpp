@@ -17,7 +17,9 @@ constexpr int kWindowPx = 1;  // each way
 constexpr std::size_t kWindowMin = 5;
 constexpr float kSameLimbMm = 120;
 constexpr int kBeyondPx = 3;
-constexpr int kReachMaxPx = 200;
+constexpr float kReachMaxPx = 200;
+constexpr float kFocalMax = 10, kCentreMax = 2;  // of the picture's longer side
+constexpr float kUnitMaxMm = 10;
 
 }  // namespace
 
@@ -26,7 +28,12 @@ bool usable(const TurnPicture& picture) {
   const auto fits = [&](const auto& image) {
     return image.pixels != nullptr && image.width == k.width && image.height == k.height;
   };
-  return k.width > 0 && k.height > 0 && k.fx > 0 && k.fy > 0 && fits(picture.depth) && fits(picture.mask);
+  const auto side = static_cast<float>(std::max(k.width, k.height));
+  // Each comparison is false for not-a-number.
+  return k.width > 0 && k.height > 0 && k.fx > 0 && k.fy > 0 && k.fx <= kFocalMax * side &&
+         k.fy <= kFocalMax * side && std::fabs(k.cx) <= kCentreMax * side && std::fabs(k.cy) <= kCentreMax * side &&
+         picture.depth_unit_mm > 0 && picture.depth_unit_mm <= kUnitMaxMm && fits(picture.depth) &&
+         fits(picture.mask);
 }
 
 TurnSight::TurnSight(const TurnPicture& picture)
@@ -90,17 +97,23 @@ bool TurnSight::outline_beside(Vec3f p, Vec3f n, float reach_mm, float& off_mm, 
   const float length = std::sqrt(x * x + y * y);
   if (!(length > 0.1F)) return false;
   direction = {x / length, y / length, 0};
-  const auto of_person = [&](int t) {
-    const int a = static_cast<int>(u + direction.x * static_cast<float>(t) + 0.5F);
-    const int b = static_cast<int>(v + direction.y * static_cast<float>(t) + 0.5F);
-    return inside(a, b) && picture_.mask.at(a, b) != 0 ? depth_mm(a, b) : -1.0F;
+  enum class Pixel { outside, other, person };
+  float depth = 0;  // of the person's pixel looked at last
+  const auto pixel_at = [&](int t) {
+    const float a = u + direction.x * static_cast<float>(t) + 0.5F,
+                b = v + direction.y * static_cast<float>(t) + 0.5F;
+    if (!(a >= 0 && b >= 0 && a < static_cast<float>(k_.width) && b < static_cast<float>(k_.height)))
+      return Pixel::outside;
+    const int iu = static_cast<int>(a), iv = static_cast<int>(b);
+    if (picture_.mask.at(iu, iv) == 0) return Pixel::other;
+    depth = depth_mm(iu, iv);
+    return Pixel::person;
   };
-  const int reach = std::min(kReachMaxPx, static_cast<int>(reach_mm * k_.fx / p.z));
+  const int reach = static_cast<int>(std::fmin(kReachMaxPx, reach_mm * k_.fx / p.z));
   const auto ends_at = [&](int t) {
-    const float z = of_person(t);
-    if (!(z > 0) || std::fabs(z - p.z) > kSameLimbMm) return false;
+    if (pixel_at(t) != Pixel::person || !(depth > 0) || std::fabs(depth - p.z) > kSameLimbMm) return false;
     for (int i = 1; i <= kBeyondPx; ++i)
-      if (of_person(t + i) >= 0) return false;
+      if (pixel_at(t + i) != Pixel::other) return false;
     return true;
   };
   // The nearest end, outwards first.

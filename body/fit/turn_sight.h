@@ -17,6 +17,7 @@ struct TurnPicture {
   MaskView mask;
   Intrinsics intrinsics;
 };
+// Sizes that agree, and finite intrinsics within those of a camera.
 bool usable(const TurnPicture& picture);
 
 class TurnSight {
@@ -29,11 +30,11 @@ class TurnSight {
   bool surface_over(Vec3f p, Vec3f n, float gate_mm, float& off_mm) const;
 
   // Where the person ends along the image of p's normal, `direction` (x and y, unit): positive when p is to move
-  // that way. The surface inside lies within 120 mm of p's depth, and no part of the person follows outside.
+  // that way. The surface inside lies within 120 mm of p's depth, and no part of the person follows outside. The
+  // border of the picture is no such end.
   bool outline_beside(Vec3f p, Vec3f n, float reach_mm, float& off_mm, Vec3f& direction) const;
 
  private:
-  bool inside(int u, int v) const { return u >= 0 && v >= 0 && u < k_.width && v < k_.height; }
   float depth_mm(int u, int v) const { return static_cast<float>(picture_.depth.at(u, v)) * picture_.depth_unit_mm; }
   bool project(Vec3f p, float& u, float& v) const;
   bool clear_of_edges(int u, int v, float depth) const;

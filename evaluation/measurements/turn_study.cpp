@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -26,6 +27,7 @@ namespace {
 constexpr std::uint64_t kTurnStream = 0x7024E;
 constexpr int kFrontFrames = 45;  // shown of the front before the first step
 constexpr int kFollowEach = 3;    // ten pictures a second
+constexpr float kShortDeg = 3;    // a turn is followed to within 2 degrees
 
 struct Keyframe {
   std::vector<std::uint16_t> depth;
@@ -138,7 +140,7 @@ void TurnSession::follow(VirtualScene& scene, const HeldOutPerson& person, int f
     ++outcome.frames_followed;
     error += static_cast<double>(std::fabs(turn_.turned_deg() - motion.yaw_deg(static_cast<std::uint64_t>(f))));
     if (static_cast<int>(views_.size()) < options_.view_count &&
-        std::fabs(turn_.turned_deg()) >= apart * static_cast<float>(views_.size())) {
+        std::fabs(turn_.turned_deg()) >= apart * static_cast<float>(views_.size()) - kShortDeg) {
       outcome.views_deg.push_back(turn_.turned_deg());
       keep(picture.depth, 1, picture.mask, turn_.pose());
     }
@@ -176,6 +178,7 @@ void TurnSession::compare_levels(TurnOutcome& outcome) const {
                                                                   {Measurement::hip_girth, levels.hip}}};
   for (std::size_t l = 0; l < sections.size(); ++l) {
     const auto [id, height] = sections[l];
+    outcome.level_error_mm[l] = std::numeric_limits<float>::quiet_NaN();
     for (const auto& section : measurer_.sections())
       if (section.id == id && !section.hull.empty())
         outcome.level_error_mm[l] = section.hull.front().y - low - height;
@@ -212,6 +215,7 @@ TurnOutcome TurnSession::run(std::uint64_t index) {
   TurnOutcome outcome;
   outcome.woman = person.subject.woman;
   outcome.truth = person.subject.truth;
+  outcome.measured_values.fill(std::numeric_limits<float>::quiet_NaN());
   actor_ = person.subject.actor;
   outcome.front_found = fit_front(scene, person, outcome);
   if (!outcome.front_found) return outcome;
@@ -235,10 +239,13 @@ Result<std::vector<TurnOutcome>> study_turns(const body::BodyModel& model, const
 
 std::string text_of(const std::vector<TurnOutcome>& outcomes) {
   std::string text;
-  int fronts = 0, measured = 0;
+  int fronts = 0, measured = 0, frames = 0, absent = 0, followed = 0;
   double yaw = 0, surface = 0, closed = 0;
   for (const TurnOutcome& o : outcomes) {
     fronts += o.front_found ? 1 : 0;
+    frames += o.frames;
+    absent += o.frames_without_person;
+    followed += o.frames_followed;
     if (!o.measured) continue;
     ++measured;
     yaw += static_cast<double>(o.yaw_error_deg);
@@ -247,6 +254,8 @@ std::string text_of(const std::vector<TurnOutcome>& outcomes) {
   }
   const double n = std::max(1, measured);
   text += fmt::format("{} people, {} fronts fitted, {} measured\n", outcomes.size(), fronts, measured);
+  text += fmt::format("of {} pictures {} without the person, {} not followed\n", frames, absent,
+                      frames - absent - followed);
   text += fmt::format("yaw error {:.1f} deg, turn error {:.1f} deg, surface {:.1f} mm\n", yaw / n, closed / n,
                       surface / n);
   text += "measurement          people    bias     MAE     p95\n";
@@ -266,20 +275,20 @@ std::string text_of(const std::vector<TurnOutcome>& outcomes) {
     text += fmt::format("{:<20} {:>6} {:>7.1f} {:>7.1f} {:>7.1f}\n", kMeasurementTable[m].id, errors.size(),
                         bias / count, mae / count, errors[(errors.size() - 1) * 95 / 100]);
   }
-  int placed = 0;
-  for (const TurnOutcome& o : outcomes) placed += o.has_levels ? 1 : 0;
-  if (placed == 0) return text;
   constexpr std::array<const char*, 3> kLevels = {"chest", "waist", "hip"};
   const auto add_levels = [&](const char* what, const auto& values_of) {
     for (std::size_t l = 0; l < kLevels.size(); ++l) {
       double bias = 0, mae = 0;
+      int count = 0;
       for (const TurnOutcome& o : outcomes) {
-        if (!o.has_levels) continue;
-        bias += static_cast<double>(values_of(o)[l]) / placed;
-        mae += static_cast<double>(std::fabs(values_of(o)[l])) / placed;
+        if (!o.has_levels || !std::isfinite(values_of(o)[l])) continue;
+        bias += static_cast<double>(values_of(o)[l]);
+        mae += static_cast<double>(std::fabs(values_of(o)[l]));
+        ++count;
       }
-      text +=
-          fmt::format("{:<20} {:>6} {:>7.1f} {:>7.1f}\n", fmt::format("{} {}", kLevels[l], what), placed, bias, mae);
+      if (count > 0)
+        text += fmt::format("{:<20} {:>6} {:>7.1f} {:>7.1f}\n", fmt::format("{} {}", kLevels[l], what), count,
+                            bias / count, mae / count);
     }
   };
   add_levels("height", [](const TurnOutcome& o) { return o.level_error_mm; });

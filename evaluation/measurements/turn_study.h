@@ -27,14 +27,14 @@ struct TurnOutcome {
   bool woman = false;
   bool front_found = false;  // the front could be fitted to
   bool measured = false;
-  MeasurementValues truth{}, front{}, measured_values{};
+  MeasurementValues truth{}, measured_values{};  // NaN: not known
   float turned_deg = 0, true_turn_deg = 0;
   int frames = 0, frames_followed = 0, frames_without_person = 0;
   float yaw_error_deg = 0;  // mean absolute, of the followed frames
   float surface_mm = 0;     // mean over the views
   std::vector<float> views_deg;
-  // Of the family `other`, chest, waist and hip: height of the section less the true one, and the girth of the fitted
-  // body at the true height less the true girth.
+  // Of the family `other`, chest, waist and hip: height of the section less the true one (NaN: no section), and the
+  // girth of the fitted body at the true height less the true girth.
   bool has_levels = false;
   std::array<float, 3> level_error_mm{}, at_true_level_mm{};
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "allocations.h"
@@ -235,6 +236,17 @@ TEST(TurnFit, APictureWithoutThePersonChangesNothing) {
   wrong.mask = {};
   EXPECT_FALSE(fitter.follow(wrong));
   EXPECT_FALSE(fitter.run({}).valid);
+  const std::array<TurnView, 2> with_empty = {{{first.view(), fit.pose}, {empty.view(), fit.pose}}};
+  EXPECT_FALSE(fitter.run(with_empty).valid);
+  TurnPicture endless = first.view();
+  endless.intrinsics.fx = std::numeric_limits<float>::infinity();
+  EXPECT_FALSE(fitter.follow(endless));
+  // A fit depends on the start and the views alone.
+  const std::array<TurnView, 1> one = {{{first.view(), fit.pose}}};
+  const TurnFit once = fitter.run(one), again = fitter.run(one);
+  ASSERT_TRUE(once.valid && again.valid);
+  EXPECT_EQ(once.shape, again.shape);
+  EXPECT_EQ(once.surface_mm[0], again.surface_mm[0]);
   EXPECT_TRUE(fitter.follow(first.view()));
 }
 

@@ -262,9 +262,10 @@ void ScenePerson::pose_as(const body::Pose& pose, float breath_mm) {
   for (Vec3f& p : joints_.position_mm) p = to_world(p);
 }
 
-// Moves the front of the chest forwards, what lies kBreathDepthMm before the chest's joint by the whole of it.
+// Of a person without clothes, which would not follow: moves the front of the chest forwards, what lies
+// kBreathDepthMm before the chest's joint by the whole of it.
 void ScenePerson::breathe(const body::Pose& pose, float breath_mm) {
-  if (breath_mm == 0) return;
+  if (breath_mm == 0 || dressed_) return;
   const std::span<const SkinRecord> skin =
       actor_ != nullptr ? std::span<const SkinRecord>(actor_->surface->skin) : model_.data().skin;
   const auto chest = static_cast<std::size_t>(Segment::chest);
@@ -333,7 +334,9 @@ Rigid ScenePerson::placed(std::uint64_t index) const {
   const float turned = share_of_turn(index, plan_.turn);
   if (turned > 0) sway = Rigid{body::rotation_about(kAxisY, -180.0F * turned), {}} * sway;
   if (steps_round())
-    sway = Rigid{body::rotation_about(kAxisY, stepping_.yaw_deg(index)), stepping_.shift_mm(index)} * sway;
+    sway = Rigid{body::rotation_about(kAxisY, stepping_.yaw_deg(index)),
+                 body::rotation_about(kAxisY, yaw_deg_) * stepping_.shift_mm(index)} *
+           sway;
   const FloorPath& path = plan_.path;
   if (path.frame_count <= 0 && path.from_x_mm == 0 && path.from_z_mm == 0) return sway;
   const float t = share_of_way(index, path);

@@ -102,7 +102,7 @@ float StepRoundMotion::wander(std::size_t which, double seconds) const {
   return static_cast<float>(std::clamp(value, -kWanderLimit, kWanderLimit));
 }
 
-// Three fifths of a step's angle go by a smooth start and end, the rest evenly.
+// Two thirds of a step's angle go by a smooth start and end, the rest evenly.
 float StepRoundMotion::yaw_deg(std::uint64_t frame) const {
   const double t = seconds_at(frame);
   double yaw = 0;

@@ -27,7 +27,7 @@ class StepRoundMotion {
 
   // Of the person's first stance; + to the person's left.
   float yaw_deg(std::uint64_t frame) const;
-  // Of the pelvis over the floor, mm, axes of the room: at most 40.
+  // Of the pelvis over the floor, mm: at most 43. In axes in which the person faced +z before the turn.
   Vec3f shift_mm(std::uint64_t frame) const;
   // The chest's front moves so far forwards: breath, at most 3 mm.
   float breath_mm(std::uint64_t frame) const;

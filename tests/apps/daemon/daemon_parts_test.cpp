@@ -292,10 +292,34 @@ TEST_F(DaemonSocket, LinesThatNobodyTakesAreBounded) {
   open({});
   Client a(folder_.path("s"));
   publisher_->serve(kHello);
-  const std::string many(4 * kClientLinesMax, '\n');
+  const std::string many(40 * kClientLinesMax, '\n');
   ASSERT_EQ(::write(a.fd(), many.data(), many.size()), static_cast<ssize_t>(many.size()));
   publisher_->serve(kHello);
   EXPECT_EQ(publisher_->take_lines().size(), kClientLinesMax);
+  ASSERT_EQ(::write(a.fd(), "x\n", 2), 2);
+  publisher_->serve(kHello);
+  EXPECT_EQ(publisher_->take_lines().size(), 1U);
+}
+
+TEST_F(DaemonSocket, AClientThatSendsAndLeavesIsHeard) {
+  open({});
+  {
+    Client a(folder_.path("s"));
+    ASSERT_EQ(::write(a.fd(), "early\n", 6), 6);
+  }
+  publisher_->serve(kHello);
+  ASSERT_EQ(publisher_->take_lines().size(), 1U);
+  {
+    Client b(folder_.path("s"));
+    publisher_->serve(kHello);
+    ASSERT_EQ(::write(b.fd(), "late\n", 5), 5);
+  }
+  publisher_->publish("{\"event\":\"x\"}\n");
+  publisher_->publish("{\"event\":\"x\"}\n");
+  publisher_->serve(kHello);
+  const auto lines = publisher_->take_lines();
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(lines[0].text, "late");
 }
 
 TEST_F(DaemonSocket, WhoHasGoneTakesNoPlace) {
