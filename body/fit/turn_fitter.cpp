@@ -17,7 +17,7 @@ constexpr std::size_t at(Segment s) {
   return static_cast<std::size_t>(s);
 }
 
-// Standard deviations (docs/fit.md says where they come from).
+// Standard deviations, and the gates below: of the prototype (docs/fit.md).
 constexpr float kSurfaceSdMm = 7;  // at kSurfaceAtMm, growing with the square of the distance
 constexpr float kSurfaceAtMm = 2400;
 constexpr float kSurfaceOutlierMm = 18;

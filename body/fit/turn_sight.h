@@ -31,7 +31,7 @@ class TurnSight {
 
   // Where the person ends along the image of p's normal, `direction` (x and y, unit): positive when p is to move
   // that way. The surface inside lies within 120 mm of p's depth, and no part of the person follows outside. The
-  // border of the picture is no such end.
+  // border of the picture does not count as an end.
   bool outline_beside(Vec3f p, Vec3f n, float reach_mm, float& off_mm, Vec3f& direction) const;
 
  private:
