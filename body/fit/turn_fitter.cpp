@@ -61,7 +61,6 @@ constexpr std::array<float, 9> kJointGatesMm = {90, 90, 60, 60, 60, 40, 40, 40, 
 constexpr std::size_t kStepsWithoutBumps = 3;
 constexpr std::array<float, 2> kAgainGatesMm = {30, 30};
 constexpr float kFieldGateMm = 30;
-constexpr int kFieldRounds = 1;
 constexpr float kReachOfGate = 0.7F;  // how far an outline is looked for, of the gate for surfaces
 constexpr float kTurnOnShare = 0.7F, kShiftOnShare = 0.5F;  // of the last step, carried on
 
@@ -89,11 +88,6 @@ constexpr float pose_sd(Segment s) {
     default:
       return 0.12F;
   }
-}
-
-float robust(float weight, float residual, float outlier) {
-  const float out = residual / outlier;
-  return weight / std::sqrt(1 + out * out);
 }
 
 bool is_foot(const SkinRecord& skin, Segment foot) {
@@ -149,10 +143,6 @@ class TurnFitter::Work {
   float turned_deg = 0;
 
  private:
-  struct Group {
-    RowColumns columns;
-    std::vector<std::uint32_t> points;
-  };
   struct View {
     const TurnPicture* picture = nullptr;
     Pose pose;
@@ -193,7 +183,7 @@ class TurnFitter::Work {
   RestShape rest_;
   PosedShape posed_;
   NormalEquations joint_, pose_only_;
-  std::vector<Group> groups_;
+  std::vector<PointGroup> groups_;
   std::array<View, kTurnViewMax> views_;
   std::size_t view_count_ = 0;
   PersonAxes axes_;
@@ -214,7 +204,7 @@ class TurnFitter::Work {
   Intrinsics seen_k_;
   int cells_x_ = 0, cells_y_ = 0;
   float cell_px_ = kCellPx;
-  int surface_rows_ = 0, rim_rows_ = 0;
+  int surface_rows_ = 0;
 
   // Of the field.
   struct Seen {
@@ -235,6 +225,7 @@ TurnFitter::Work::Work(const ShapeSpace& space)
       posed_(space, rest_),
       joint_(kPoseValues, kTurnViewMax, space.shape_count + bumps_.count),
       pose_only_(kPoseValues, 1, 0),
+      groups_(point_groups(space)),
       bump_(bumps_.count),
       field_mm_(space.point_count),
       move_mm_(space.point_count),
@@ -248,28 +239,17 @@ TurnFitter::Work::Work(const ShapeSpace& space)
       want_(space.point_count),
       field_step_(space.point_count) {
   result.points.resize(space.point_count);
-  for (std::uint32_t i = 0; i < space.point_count; ++i) {
-    const RowColumns columns = columns_of(segments_of(space.skin[i]));
-    const auto same = std::find_if(groups_.begin(), groups_.end(), [&](const Group& g) {
-      return g.columns.triple_count == columns.triple_count && g.columns.triple == columns.triple;
-    });
-    Group& group = same == groups_.end() ? groups_.emplace_back(Group{columns, {}}) : *same;
-    group.points.push_back(i);
-  }
 }
 
 void TurnFitter::Work::begin(std::span<const float> shape, const Pose& start, const PersonAxes& axes, bool floor) {
   result.valid = false;
-  result.shape = {};
-  std::copy_n(shape.begin(), std::min(shape.size(), space_.shape_count), result.shape.begin());
-  std::fill(bump_.begin(), bump_.end(), 0.0F);
-  std::fill(field_mm_.begin(), field_mm_.end(), 0.0F);
+  begun_ = {};
+  std::copy_n(shape.begin(), std::min(shape.size(), space_.shape_count), begun_.begin());
   pose = before_ = reference_ = start;
   axes_ = axes;
   floor_ = floor;
   turned_deg = 0;
-  begun_ = result.shape;
-  set_shape();
+  restore();
 }
 
 // What follow() goes on from.
@@ -387,7 +367,7 @@ void TurnFitter::Work::put_row(std::size_t i, Vec3f along, const RowColumns& col
 
 void TurnFitter::Work::add_points(std::size_t v, const Look& look, NormalEquations& equations) {
   const TurnSight sight(*views_[v].picture);
-  for (const Group& group : groups_) {
+  for (const PointGroup& group : groups_) {
     equations.begin_rows(v, group.columns);
     for (const std::uint32_t i : group.points) {
       if (i % look.each != 0) continue;
@@ -397,15 +377,14 @@ void TurnFitter::Work::add_points(std::size_t v, const Look& look, NormalEquatio
       if (facing_[i] > kFacingMin) {
         if (hidden(i) || !sight.surface_over(c, n, look.gate_mm, off)) continue;
         const float far = c.z / kSurfaceAtMm, sd = kSurfaceSdMm * far * far;
-        weight = robust(1 / (sd * sd * kCorrelated), off, kSurfaceOutlierMm);
+        weight = robust_weight(1 / (sd * sd * kCorrelated), off, kSurfaceOutlierMm);
         ++surface_rows_;
       } else if (std::fabs(facing_[i]) < kRimFacingMax) {
         Vec3f direction;
         if (hidden(i) || !sight.outline_beside(c, n, look.gate_mm * kReachOfGate, off, direction)) continue;
         off -= beyond_mm(i);
         along = axes_.direction_to_mesh(direction);
-        weight = robust(1 / (kRimSdMm * kRimSdMm * kCorrelated), off, kRimOutlierMm);
-        ++rim_rows_;
+        weight = robust_weight(1 / (kRimSdMm * kRimSdMm * kCorrelated), off, kRimOutlierMm);
       } else {
         continue;
       }
@@ -435,7 +414,7 @@ void TurnFitter::Work::add_soles(std::size_t v, const Look& look, NormalEquation
   const auto mean = [&](std::size_t side) { return height[side] / static_cast<float>(count[side]); };
   const std::size_t low = count[0] == 0 || (count[1] > 0 && mean(1) < mean(0)) ? 1 : 0;
   const float weight = kSoleCount / (kSoleSdMm * kSoleSdMm * static_cast<float>(count[low]));
-  for (const Group& group : groups_) {
+  for (const PointGroup& group : groups_) {
     equations.begin_rows(v, group.columns);
     for (const std::uint32_t i : group.points) {
       if (!is_foot(space_.skin[i], foot(low)) || !sole(i)) continue;
@@ -515,7 +494,7 @@ void TurnFitter::Work::take_step(View& view, std::span<const double> moved) {
 bool TurnFitter::Work::step(const Look& look, const Pose* before) {
   NormalEquations& equations = look.shape ? joint_ : pose_only_;
   equations.clear(view_count_);
-  surface_rows_ = rim_rows_ = 0;
+  surface_rows_ = 0;
   const Pose mean = before != nullptr ? reference_ : mean_pose();
   for (std::size_t v = 0; v < view_count_; ++v) {
     const int rows_before = surface_rows_;
@@ -625,7 +604,6 @@ void TurnFitter::Work::add_field() {
 void TurnFitter::Work::finish() {
   for (std::size_t i = 0; i < space_.point_count; ++i) result.points[i] = rest_.middle(i);
   result.bones = rest_.skeleton();
-  result.surface_rows = result.rim_rows = 0;
   for (std::size_t v = 0; v < view_count_; ++v) {
     result.poses[v] = views_[v].pose;
     see(views_[v]);
@@ -633,21 +611,14 @@ void TurnFitter::Work::finish() {
     double sum = 0;
     int rows = 0;
     for (std::size_t i = 0; i < space_.point_count; ++i) {
-      if (hidden(i)) continue;
-      const Vec3f n = axes_.direction_to_camera(points_[i].normal);
       float off = 0;
-      Vec3f direction;
-      if (facing_[i] > kFacingMin) {
-        if (!sight.surface_over(in_camera_[i], n, kFieldGateMm, off)) continue;
-        sum += static_cast<double>(std::fabs(off));
-        ++rows;
-      } else if (std::fabs(facing_[i]) < kRimFacingMax &&
-                 sight.outline_beside(in_camera_[i], n, kFieldGateMm * kReachOfGate, off, direction)) {
-        ++result.rim_rows;
-      }
+      if (!(facing_[i] > kFacingMin) || hidden(i) ||
+          !sight.surface_over(in_camera_[i], axes_.direction_to_camera(points_[i].normal), kFieldGateMm, off))
+        continue;
+      sum += static_cast<double>(std::fabs(off));
+      ++rows;
     }
     result.surface_mm[v] = static_cast<float>(sum / std::max(rows, 1));
-    result.surface_rows += rows;
   }
   result.valid = true;
 }
@@ -655,11 +626,9 @@ void TurnFitter::Work::finish() {
 bool TurnFitter::Work::fit() {
   for (std::size_t i = 0; i < kJointGatesMm.size(); ++i)
     if (!step({kJointGatesMm[i], 1, i >= kStepsWithoutBumps, true}, nullptr)) return false;
-  for (int round = 0; round < kFieldRounds; ++round) {
-    add_field();
-    for (const float gate : kAgainGatesMm)
-      if (!step({gate, 1, true, true}, nullptr)) return false;
-  }
+  add_field();
+  for (const float gate : kAgainGatesMm)
+    if (!step({gate, 1, true, true}, nullptr)) return false;
   return true;
 }
 
