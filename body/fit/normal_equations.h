@@ -13,6 +13,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -28,6 +29,12 @@ struct RowColumns {
   std::array<std::uint8_t, kTripleMax> triple{};  // unknowns 3 t, 3 t + 1, 3 t + 2 of the block
   std::size_t triple_count = 0;
 };
+
+// The weight of a residual whose square grows as a line beyond `outlier` (Charbonnier's loss).
+inline float robust_weight(float weight, float residual, float outlier) {
+  const float out = residual / outlier;
+  return weight / std::sqrt(1 + out * out);
+}
 
 class NormalEquations {
  public:

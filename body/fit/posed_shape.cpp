@@ -92,6 +92,19 @@ RowColumns columns_of(SegmentSet segments) {
   return columns;
 }
 
+std::vector<PointGroup> point_groups(const ShapeSpace& space) {
+  std::vector<PointGroup> groups;
+  for (std::uint32_t i = 0; i < space.point_count; ++i) {
+    const RowColumns columns = columns_of(segments_of(space.skin[i]));
+    const auto same = std::find_if(groups.begin(), groups.end(), [&](const PointGroup& g) {
+      return g.columns.triple_count == columns.triple_count && g.columns.triple == columns.triple;
+    });
+    PointGroup& group = same == groups.end() ? groups.emplace_back(PointGroup{columns, {}}) : *same;
+    group.points.push_back(i);
+  }
+  return groups;
+}
+
 RestShape::RestShape(const ShapeSpace& space)
     : space_(space), points_(space.point_count * kPointValues), bones_(kBoneValues) {}
 

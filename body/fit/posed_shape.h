@@ -45,6 +45,13 @@ SegmentSet segments_of(const SkinRecord& skin);
 // The triples of a pose step that move points attached to `segments`: the shift, then turns.
 RowColumns columns_of(SegmentSet segments);
 
+// Points that the same triples of a pose move: their equations are added up together.
+struct PointGroup {
+  RowColumns columns;
+  std::vector<std::uint32_t> points;
+};
+std::vector<PointGroup> point_groups(const ShapeSpace& space);
+
 // Points and bones of the body with some coefficients, rest pose.
 class RestShape {
  public:

@@ -90,12 +90,6 @@ bool is_foot(const SkinRecord& skin) {
   return segment == Segment::left_foot || segment == Segment::right_foot;
 }
 
-// The weight of a residual whose square grows as a line beyond `outlier` (Charbonnier's loss).
-float robust(float weight, float residual, float outlier) {
-  const float out = residual / outlier;
-  return weight / std::sqrt(1 + out * out);
-}
-
 }  // namespace
 
 class ShapeFitter::Work {
@@ -122,11 +116,6 @@ class ShapeFitter::Work {
     Vec3f along;
     float residual = 0, weight = 0;
   };
-  // Points that the same triples of a pose move: their equations are added up together.
-  struct Group {
-    RowColumns columns;
-    std::vector<std::uint32_t> points;
-  };
 
   bool see(const FitView& view);
   bool steps(Look look, int count);
@@ -143,7 +132,7 @@ class ShapeFitter::Work {
   const ShapeSpace& space_;
   RestShape rest_;
   NormalEquations equations_;
-  std::vector<Group> groups_;
+  std::vector<PointGroup> groups_;
   std::vector<std::uint16_t> patch_;  // of a point
   std::vector<View> views_;
   std::size_t view_count_ = 0;
@@ -156,16 +145,9 @@ ShapeFitter::Work::Work(const ShapeSpace& space)
     : space_(space),
       rest_(space),
       equations_(kPoseValues, kFitViewMax, space.shape_count),
+      groups_(point_groups(space)),
       patch_(skin_patches(space)) {
   for (std::size_t v = 0; v < kFitViewMax; ++v) views_.push_back({{}, PosedShape(space_, rest_), {}, {}, false});
-  for (std::uint32_t i = 0; i < space.point_count; ++i) {
-    const RowColumns columns = columns_of(segments_of(space.skin[i]));
-    const auto same = std::find_if(groups_.begin(), groups_.end(), [&](const Group& g) {
-      return g.columns.triple_count == columns.triple_count && g.columns.triple == columns.triple;
-    });
-    Group& group = same == groups_.end() ? groups_.emplace_back(Group{columns, {}}) : *same;
-    group.points.push_back(i);
-  }
 }
 
 // One view more, of the shape as known so far.
@@ -210,7 +192,7 @@ void ShapeFitter::Work::add_joints(std::size_t v) {
 
 void ShapeFitter::Work::add_points(std::size_t v, bool early) {
   const View& view = views_[v];
-  for (const Group& group : groups_) {
+  for (const PointGroup& group : groups_) {
     equations_.begin_rows(v, group.columns);
     for (const std::uint32_t i : group.points) {
       Pending& next = pending_[pending_count_];
@@ -254,7 +236,7 @@ ShapeFitter::Work::Equation ShapeFitter::Work::equation_of(const View& view, boo
     const float sd = kSurfaceSdMm * far * far;
     pending.along = normal;
     pending.residual = residual;
-    pending.weight = robust(1 / (sd * sd * kCorrelated), residual, kSurfaceOutlierSds * sd);
+    pending.weight = robust_weight(1 / (sd * sd * kCorrelated), residual, kSurfaceOutlierSds * sd);
     ++result.surface_rows;
     surface_sum_ += static_cast<double>(std::fabs(residual));
     return Equation::surface;
@@ -267,7 +249,7 @@ ShapeFitter::Work::Equation ShapeFitter::Work::equation_of(const View& view, boo
   const float length = std::sqrt(flat.x * flat.x + flat.y * flat.y);
   pending.along = sight.axes().direction_to_mesh({flat.x / length, flat.y / length, 0});
   pending.residual = residual;
-  pending.weight = robust(1 / (kRimSdMm * kRimSdMm * kCorrelated), residual, kRimOutlierMm);
+  pending.weight = robust_weight(1 / (kRimSdMm * kRimSdMm * kCorrelated), residual, kRimOutlierMm);
   ++result.rim_rows;
   rim_sum_ += static_cast<double>(std::fabs(residual));
   return Equation::rim;

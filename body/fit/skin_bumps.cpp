@@ -7,7 +7,7 @@
 namespace im2fit::body {
 namespace {
 
-// Sizes: bodies of another make were fitted best with these (docs/fit.md).
+// Sizes of the prototype (docs/fit.md).
 constexpr float kApartMm = 90;
 constexpr float kWidthMm = 70;
 constexpr float kSdMm = 8;

@@ -17,7 +17,7 @@ constexpr std::size_t at(Segment s) {
   return static_cast<std::size_t>(s);
 }
 
-// Standard deviations (docs/fit.md says where they come from).
+// Standard deviations, and the gates below: of the prototype (docs/fit.md).
 constexpr float kSurfaceSdMm = 7;  // at kSurfaceAtMm, growing with the square of the distance
 constexpr float kSurfaceAtMm = 2400;
 constexpr float kSurfaceOutlierMm = 18;
@@ -39,16 +39,6 @@ constexpr float kFieldFacingMin = 0.5F;
 constexpr float kSoleDown = -0.8F;
 constexpr float kSoleHeightMaxMm = 60;
 
-constexpr float kBendMin = 1.0F / 300, kBendMax = 1.0F / 25;  // of limbs and trunks, 1/mm
-
-constexpr float kCellPx = 4;  // of hiding, at kCellFocalPx
-constexpr float kCellFocalPx = 575.8F;
-constexpr float kHiddenMm = 40, kHiddenSlopeMm = 30;
-constexpr float kHiddenByOtherMm = 12, kOtherPartMm = 130;
-constexpr int kHandSteps = 4, kHandCells = 3;
-constexpr float kHandReach = 1.4F, kHandThickMm = 25;
-constexpr std::uint32_t kNoPoint = 0xFFFFFFFF;
-
 constexpr float kShapeLimit = 5;
 constexpr float kShiftStepMaxMm = 200;
 constexpr float kTurnStepMax = 0.3F;
@@ -61,7 +51,6 @@ constexpr std::array<float, 9> kJointGatesMm = {90, 90, 60, 60, 60, 40, 40, 40, 
 constexpr std::size_t kStepsWithoutBumps = 3;
 constexpr std::array<float, 2> kAgainGatesMm = {30, 30};
 constexpr float kFieldGateMm = 30;
-constexpr int kFieldRounds = 1;
 constexpr float kReachOfGate = 0.7F;  // how far an outline is looked for, of the gate for surfaces
 constexpr float kTurnOnShare = 0.7F, kShiftOnShare = 0.5F;  // of the last step, carried on
 
@@ -89,11 +78,6 @@ constexpr float pose_sd(Segment s) {
     default:
       return 0.12F;
   }
-}
-
-float robust(float weight, float residual, float outlier) {
-  const float out = residual / outlier;
-  return weight / std::sqrt(1 + out * out);
 }
 
 bool is_foot(const SkinRecord& skin, Segment foot) {
@@ -149,10 +133,6 @@ class TurnFitter::Work {
   float turned_deg = 0;
 
  private:
-  struct Group {
-    RowColumns columns;
-    std::vector<std::uint32_t> points;
-  };
   struct View {
     const TurnPicture* picture = nullptr;
     Pose pose;
@@ -166,14 +146,7 @@ class TurnFitter::Work {
 
   void restore();
   void set_shape();
-  void see(const View& view);
-  void fill_cells(Vec3f c, int cells, std::uint32_t point);
-  Vec3f rest_middle(std::size_t i) const {
-    const float* at = space_.point_mean.data() + i * kPointValues;
-    return {at[0], at[1], at[2]};
-  }
-  bool hidden(std::size_t i) const;
-  float beyond_mm(std::size_t i) const;
+  void see(const View& view) { points_.see(view.pose, view.picture->intrinsics, axes_); }
   void add_view(std::size_t v, const Look& look, NormalEquations& equations);
   void add_points(std::size_t v, const Look& look, NormalEquations& equations);
   void add_soles(std::size_t v, const Look& look, NormalEquations& equations);
@@ -191,9 +164,8 @@ class TurnFitter::Work {
   SkinBumps bumps_;
   SkinGraph graph_;
   RestShape rest_;
-  PosedShape posed_;
   NormalEquations joint_, pose_only_;
-  std::vector<Group> groups_;
+  std::vector<PointGroup> groups_;
   std::array<View, kTurnViewMax> views_;
   std::size_t view_count_ = 0;
   PersonAxes axes_;
@@ -202,19 +174,8 @@ class TurnFitter::Work {
   std::array<float, kShapeMax> begun_{};  // the shape that begin() was given
   std::vector<float> bump_, field_mm_, move_mm_;
 
-  // Of the view seen last.
-  std::vector<PosedShape::Point> points_;
-  std::vector<Vec3f> in_camera_;
-  std::vector<float> facing_;
-  struct Near {
-    float depth = 0;  // of the nearest point that faces the camera; 0: none
-    std::uint32_t point = 0;
-  };
-  std::vector<Near> nearest_;  // of each cell
-  Intrinsics seen_k_;
-  int cells_x_ = 0, cells_y_ = 0;
-  float cell_px_ = kCellPx;
-  int surface_rows_ = 0, rim_rows_ = 0;
+  TurnPoints points_;  // of the view seen last
+  int surface_rows_ = 0;
 
   // Of the field.
   struct Seen {
@@ -225,51 +186,35 @@ class TurnFitter::Work {
   std::vector<float> pull_, want_, field_step_;
 };
 
-constexpr int kCellsMax = 400;  // a side
-
 TurnFitter::Work::Work(const ShapeSpace& space)
     : space_(space),
       bumps_(space),
       graph_(space, bumps_.normal),
       rest_(space),
-      posed_(space, rest_),
       joint_(kPoseValues, kTurnViewMax, space.shape_count + bumps_.count),
       pose_only_(kPoseValues, 1, 0),
+      groups_(point_groups(space)),
       bump_(bumps_.count),
       field_mm_(space.point_count),
       move_mm_(space.point_count),
-      points_(space.point_count),
-      in_camera_(space.point_count),
-      facing_(space.point_count),
-      nearest_(static_cast<std::size_t>(kCellsMax) * kCellsMax),
+      points_(space, rest_, graph_),
       seen_(space.point_count),
       seen_count_(space.point_count),
       pull_(space.point_count),
       want_(space.point_count),
       field_step_(space.point_count) {
   result.points.resize(space.point_count);
-  for (std::uint32_t i = 0; i < space.point_count; ++i) {
-    const RowColumns columns = columns_of(segments_of(space.skin[i]));
-    const auto same = std::find_if(groups_.begin(), groups_.end(), [&](const Group& g) {
-      return g.columns.triple_count == columns.triple_count && g.columns.triple == columns.triple;
-    });
-    Group& group = same == groups_.end() ? groups_.emplace_back(Group{columns, {}}) : *same;
-    group.points.push_back(i);
-  }
 }
 
 void TurnFitter::Work::begin(std::span<const float> shape, const Pose& start, const PersonAxes& axes, bool floor) {
   result.valid = false;
-  result.shape = {};
-  std::copy_n(shape.begin(), std::min(shape.size(), space_.shape_count), result.shape.begin());
-  std::fill(bump_.begin(), bump_.end(), 0.0F);
-  std::fill(field_mm_.begin(), field_mm_.end(), 0.0F);
+  begun_ = {};
+  std::copy_n(shape.begin(), std::min(shape.size(), space_.shape_count), begun_.begin());
   pose = before_ = reference_ = start;
   axes_ = axes;
   floor_ = floor;
   turned_deg = 0;
-  begun_ = result.shape;
-  set_shape();
+  restore();
 }
 
 // What follow() goes on from.
@@ -293,91 +238,14 @@ void TurnFitter::Work::set_shape() {
   rest_.move_points(move_mm_, bumps_.normal);
 }
 
-// Where the points lie in a view, and which of its cells they fill.
-void TurnFitter::Work::see(const View& view) {
-  posed_.set(view.pose);
-  seen_k_ = view.picture->intrinsics;
-  const Intrinsics& k = seen_k_;
-  cell_px_ = std::max({1.0F, kCellPx * k.fx / kCellFocalPx, static_cast<float>(k.width) / (kCellsMax - 1),
-                       static_cast<float>(k.height) / (kCellsMax - 1)});
-  cells_x_ = static_cast<int>(static_cast<float>(k.width) / cell_px_) + 1;
-  cells_y_ = static_cast<int>(static_cast<float>(k.height) / cell_px_) + 1;
-  std::fill_n(nearest_.begin(), cells_x_ * cells_y_, Near{});
-  for (std::uint32_t i = 0; i < space_.point_count; ++i) {
-    posed_.find(i, points_[i]);
-    const Vec3f p = points_[i].position;
-    facing_[i] = dot(points_[i].normal, normalized(axes_.camera() - p));
-    in_camera_[i] = axes_.to_camera(p);
-    if (facing_[i] > 0) fill_cells(in_camera_[i], 1, i);
-  }
-  // Hands have no points, but hide what is behind them.
-  for (const Segment hand : {Segment::left_hand, Segment::right_hand})
-    for (int i = 0; i <= kHandSteps; ++i) {
-      const Vec3f p = posed_.head(hand) +
-                      (posed_.tail(hand) - posed_.head(hand)) * (kHandReach * static_cast<float>(i) / kHandSteps);
-      Vec3f c = axes_.to_camera(p);
-      c.z -= kHandThickMm;
-      fill_cells(c, kHandCells, kNoPoint);
-    }
-}
-
-// The cells about c, `cells` to each side.
-void TurnFitter::Work::fill_cells(Vec3f c, int cells, std::uint32_t point) {
-  const Intrinsics& k = seen_k_;
-  if (!(c.z > 1)) return;
-  const float u = (k.fx * c.x / c.z + k.cx) / cell_px_, v = (k.fy * c.y / c.z + k.cy) / cell_px_;
-  if (!(u >= 0 && v >= 0 && u < static_cast<float>(cells_x_) && v < static_cast<float>(cells_y_))) return;
-  const int cu = static_cast<int>(u), cv = static_cast<int>(v);
-  for (int b = std::max(0, cv - cells); b <= std::min(cells_y_ - 1, cv + cells); ++b)
-    for (int a = std::max(0, cu - cells); a <= std::min(cells_x_ - 1, cu + cells); ++a) {
-      Near& near = nearest_[static_cast<std::size_t>(b * cells_x_ + a)];
-      if (near.depth == 0 || c.z < near.depth) near = {c.z, point};
-    }
-}
-
-// Behind another part of the body. A cell holds what lies within 25 mm, so a slanted skin hides itself a little; a
-// limb before a trunk is told from that by its distance on the mean body.
-bool TurnFitter::Work::hidden(std::size_t i) const {
-  const Intrinsics& k = seen_k_;
-  const Vec3f c = in_camera_[i];
-  const float u = (k.fx * c.x / c.z + k.cx) / cell_px_, v = (k.fy * c.y / c.z + k.cy) / cell_px_;
-  if (!(u >= 0 && v >= 0 && u < static_cast<float>(cells_x_) && v < static_cast<float>(cells_y_))) return true;
-  const Near near = nearest_[static_cast<std::size_t>(static_cast<int>(v) * cells_x_ + static_cast<int>(u))];
-  if (near.depth == 0 || c.z <= near.depth + kHiddenByOtherMm) return false;
-  if (near.point == kNoPoint || norm(rest_middle(i) - rest_middle(near.point)) > kOtherPartMm) return true;
-  const float f = std::max(0.3F, std::fabs(facing_[i]));
-  const float slope = std::sqrt(std::max(0.0F, 1 - f * f)) / f;
-  return c.z > near.depth + kHiddenMm + kHiddenSlopeMm * slope;
-}
-
-// How far beyond a point near the outline the outline of a round body lies: with radius r and cosine c between normal
-// and view, r (1 - sqrt(1 - c^2)). r from the point's neighbours in the direction of the view.
-float TurnFitter::Work::beyond_mm(std::size_t i) const {
-  const Vec3f n = points_[i].normal, p = points_[i].position;
-  const Vec3f view = normalized(axes_.camera() - p);
-  const Vec3f across = normalized(view - n * facing_[i]);
-  float bend = 0, weight = 0;
-  for (std::size_t k = 0; k < kSkinNeighbours; ++k) {
-    const SkinNeighbour& neighbour = graph_.neighbours[i * kSkinNeighbours + k];
-    if (!(neighbour.distance_mm > 0)) break;
-    const Vec3f d = points_[neighbour.point].position - p;
-    const float square = dot(d, d), along = dot(d, across);
-    const float w = along * along / square;
-    bend += w * -2 * dot(d, n) / square;
-    weight += w;
-  }
-  const float per_mm = std::clamp(bend / std::max(weight, 1e-6F), kBendMin, kBendMax);
-  return (1 - std::sqrt(1 - facing_[i] * facing_[i])) / per_mm;
-}
-
 void TurnFitter::Work::put_row(std::size_t i, Vec3f along, const RowColumns& columns, bool with_shape,
                                std::span<float> row) {
-  const PosedShape::Point& point = points_[i];
+  const PosedShape::Point& point = points_.at(i);
   if (!with_shape) {
-    posed_.pose_row(point, along, columns, row);
+    points_.posed().pose_row(point, along, columns, row);
     return;
   }
-  posed_.point_row(point, along, columns, row);
+  points_.posed().point_row(point, along, columns, row);
   float* bump = row.data() + 3 * columns.triple_count + space_.shape_count;
   const Vec3f back{dot(vec3(point.turn[0]), along), dot(vec3(point.turn[1]), along), dot(vec3(point.turn[2]), along)};
   const float slope = dot(back, bumps_.normal[i]);
@@ -387,25 +255,24 @@ void TurnFitter::Work::put_row(std::size_t i, Vec3f along, const RowColumns& col
 
 void TurnFitter::Work::add_points(std::size_t v, const Look& look, NormalEquations& equations) {
   const TurnSight sight(*views_[v].picture);
-  for (const Group& group : groups_) {
+  for (const PointGroup& group : groups_) {
     equations.begin_rows(v, group.columns);
     for (const std::uint32_t i : group.points) {
       if (i % look.each != 0) continue;
-      const Vec3f c = in_camera_[i], n = axes_.direction_to_camera(points_[i].normal);
+      const Vec3f c = points_.in_camera(i), n = axes_.direction_to_camera(points_.at(i).normal);
       float off = 0, weight = 0;
-      Vec3f along = points_[i].normal;
-      if (facing_[i] > kFacingMin) {
-        if (hidden(i) || !sight.surface_over(c, n, look.gate_mm, off)) continue;
+      Vec3f along = points_.at(i).normal;
+      if (points_.facing(i) > kFacingMin) {
+        if (points_.hidden(i) || !sight.surface_over(c, n, look.gate_mm, off)) continue;
         const float far = c.z / kSurfaceAtMm, sd = kSurfaceSdMm * far * far;
-        weight = robust(1 / (sd * sd * kCorrelated), off, kSurfaceOutlierMm);
+        weight = robust_weight(1 / (sd * sd * kCorrelated), off, kSurfaceOutlierMm);
         ++surface_rows_;
-      } else if (std::fabs(facing_[i]) < kRimFacingMax) {
+      } else if (std::fabs(points_.facing(i)) < kRimFacingMax) {
         Vec3f direction;
-        if (hidden(i) || !sight.outline_beside(c, n, look.gate_mm * kReachOfGate, off, direction)) continue;
-        off -= beyond_mm(i);
+        if (points_.hidden(i) || !sight.outline_beside(c, n, look.gate_mm * kReachOfGate, off, direction)) continue;
+        off -= points_.beyond_mm(i);
         along = axes_.direction_to_mesh(direction);
-        weight = robust(1 / (kRimSdMm * kRimSdMm * kCorrelated), off, kRimOutlierMm);
-        ++rim_rows_;
+        weight = robust_weight(1 / (kRimSdMm * kRimSdMm * kCorrelated), off, kRimOutlierMm);
       } else {
         continue;
       }
@@ -422,25 +289,25 @@ void TurnFitter::Work::add_soles(std::size_t v, const Look& look, NormalEquation
   std::array<float, 2> height{};
   std::array<int, 2> count{};
   const auto sole = [&](std::size_t i) {
-    return points_[i].normal.y < kSoleDown && points_[i].position.y < kSoleHeightMaxMm;
+    return points_.at(i).normal.y < kSoleDown && points_.at(i).position.y < kSoleHeightMaxMm;
   };
   const auto foot = [](std::size_t side) { return side == 0 ? Segment::left_foot : Segment::right_foot; };
   for (std::size_t i = 0; i < space_.point_count; ++i)
     for (std::size_t side = 0; side < 2; ++side)
       if (is_foot(space_.skin[i], foot(side)) && sole(i)) {
-        height[side] += points_[i].position.y;
+        height[side] += points_.at(i).position.y;
         ++count[side];
       }
   if (count[0] + count[1] == 0) return;
   const auto mean = [&](std::size_t side) { return height[side] / static_cast<float>(count[side]); };
   const std::size_t low = count[0] == 0 || (count[1] > 0 && mean(1) < mean(0)) ? 1 : 0;
   const float weight = kSoleCount / (kSoleSdMm * kSoleSdMm * static_cast<float>(count[low]));
-  for (const Group& group : groups_) {
+  for (const PointGroup& group : groups_) {
     equations.begin_rows(v, group.columns);
     for (const std::uint32_t i : group.points) {
       if (!is_foot(space_.skin[i], foot(low)) || !sole(i)) continue;
       put_row(i, {0, 1, 0}, group.columns, look.shape, equations.next_row());
-      equations.add_row(-points_[i].position.y, weight);
+      equations.add_row(-points_.at(i).position.y, weight);
     }
     equations.end_rows();
   }
@@ -515,7 +382,7 @@ void TurnFitter::Work::take_step(View& view, std::span<const double> moved) {
 bool TurnFitter::Work::step(const Look& look, const Pose* before) {
   NormalEquations& equations = look.shape ? joint_ : pose_only_;
   equations.clear(view_count_);
-  surface_rows_ = rim_rows_ = 0;
+  surface_rows_ = 0;
   const Pose mean = before != nullptr ? reference_ : mean_pose();
   for (std::size_t v = 0; v < view_count_; ++v) {
     const int rows_before = surface_rows_;
@@ -584,10 +451,11 @@ void TurnFitter::Work::add_field() {
     const TurnSight sight(*views_[v].picture);
     for (std::size_t i = 0; i < space_.point_count; ++i) {
       float off = 0;
-      if (!(facing_[i] > kFieldFacingMin) || hidden(i) ||
-          !sight.surface_over(in_camera_[i], axes_.direction_to_camera(points_[i].normal), kFieldGateMm, off))
+      if (!(points_.facing(i) > kFieldFacingMin) || points_.hidden(i) ||
+          !sight.surface_over(points_.in_camera(i), axes_.direction_to_camera(points_.at(i).normal), kFieldGateMm,
+                              off))
         continue;
-      seen_[i][seen_count_[i]++] = {off, facing_[i] * facing_[i]};
+      seen_[i][seen_count_[i]++] = {off, points_.facing(i) * points_.facing(i)};
     }
   }
   for (std::size_t i = 0; i < space_.point_count; ++i) {
@@ -625,7 +493,6 @@ void TurnFitter::Work::add_field() {
 void TurnFitter::Work::finish() {
   for (std::size_t i = 0; i < space_.point_count; ++i) result.points[i] = rest_.middle(i);
   result.bones = rest_.skeleton();
-  result.surface_rows = result.rim_rows = 0;
   for (std::size_t v = 0; v < view_count_; ++v) {
     result.poses[v] = views_[v].pose;
     see(views_[v]);
@@ -633,21 +500,15 @@ void TurnFitter::Work::finish() {
     double sum = 0;
     int rows = 0;
     for (std::size_t i = 0; i < space_.point_count; ++i) {
-      if (hidden(i)) continue;
-      const Vec3f n = axes_.direction_to_camera(points_[i].normal);
       float off = 0;
-      Vec3f direction;
-      if (facing_[i] > kFacingMin) {
-        if (!sight.surface_over(in_camera_[i], n, kFieldGateMm, off)) continue;
-        sum += static_cast<double>(std::fabs(off));
-        ++rows;
-      } else if (std::fabs(facing_[i]) < kRimFacingMax &&
-                 sight.outline_beside(in_camera_[i], n, kFieldGateMm * kReachOfGate, off, direction)) {
-        ++result.rim_rows;
-      }
+      if (!(points_.facing(i) > kFacingMin) || points_.hidden(i) ||
+          !sight.surface_over(points_.in_camera(i), axes_.direction_to_camera(points_.at(i).normal), kFieldGateMm,
+                              off))
+        continue;
+      sum += static_cast<double>(std::fabs(off));
+      ++rows;
     }
     result.surface_mm[v] = static_cast<float>(sum / std::max(rows, 1));
-    result.surface_rows += rows;
   }
   result.valid = true;
 }
@@ -655,11 +516,9 @@ void TurnFitter::Work::finish() {
 bool TurnFitter::Work::fit() {
   for (std::size_t i = 0; i < kJointGatesMm.size(); ++i)
     if (!step({kJointGatesMm[i], 1, i >= kStepsWithoutBumps, true}, nullptr)) return false;
-  for (int round = 0; round < kFieldRounds; ++round) {
-    add_field();
-    for (const float gate : kAgainGatesMm)
-      if (!step({gate, 1, true, true}, nullptr)) return false;
-  }
+  add_field();
+  for (const float gate : kAgainGatesMm)
+    if (!step({gate, 1, true, true}, nullptr)) return false;
   return true;
 }
 

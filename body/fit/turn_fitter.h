@@ -37,7 +37,6 @@ struct TurnFit {
   Skeleton bones;                                // at rest
   std::array<Pose, kTurnViewMax> poses;          // of the views
   std::array<float, kTurnViewMax> surface_mm{};  // mean absolute distance of the surface, of each view
-  int surface_rows = 0, rim_rows = 0;            // of all views
 };
 
 // Not shareable between threads.

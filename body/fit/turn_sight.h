@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// A body's point in one picture of a turning person: how far the surface seen lies before it, and how far the
-// outline. Camera axes, mm.
+// What one picture of a turning person shows of a body: how far the surface seen lies before a point, how far the
+// outline, and which points other parts of the body hide. Camera axes, mm.
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
+#include "body/fit/posed_shape.h"
+#include "body/fit/skin_bumps.h"
+#include "body/person_axes.h"
+#include "body/shape_space.h"
+#include "body/skeleton.h"
 #include "core/camera.h"
 #include "core/vec3.h"
 
@@ -31,7 +37,7 @@ class TurnSight {
 
   // Where the person ends along the image of p's normal, `direction` (x and y, unit): positive when p is to move
   // that way. The surface inside lies within 120 mm of p's depth, and no part of the person follows outside. The
-  // border of the picture is no such end.
+  // border of the picture does not count as an end.
   bool outline_beside(Vec3f p, Vec3f n, float reach_mm, float& off_mm, Vec3f& direction) const;
 
  private:
@@ -42,6 +48,44 @@ class TurnSight {
   const TurnPicture& picture_;
   const Intrinsics& k_;
   int margin_px_;
+};
+
+// The points of a body in a pose, as a camera sees them. No allocation after construction.
+class TurnPoints {
+ public:
+  // All must outlive it.
+  TurnPoints(const ShapeSpace& space, const RestShape& rest, const SkinGraph& graph);
+  // Of the rest shape's present points and bones; what follows is of this pose and camera. `axes`: of the pose.
+  void see(const Pose& pose, const Intrinsics& intrinsics, const PersonAxes& axes);
+
+  const PosedShape& posed() const { return posed_; }
+  const PosedShape::Point& at(std::size_t i) const { return points_[i]; }
+  Vec3f in_camera(std::size_t i) const { return in_camera_[i]; }
+  // Cosine between the point's normal and the direction to the camera.
+  float facing(std::size_t i) const { return facing_[i]; }
+  bool hidden(std::size_t i) const;
+  // Of a point near the outline.
+  float beyond_mm(std::size_t i) const;
+
+ private:
+  void fill_cells(Vec3f c, int cells, std::uint32_t point);
+  Vec3f rest_middle(std::size_t i) const;
+
+  const ShapeSpace& space_;
+  const SkinGraph& graph_;
+  PosedShape posed_;
+  std::vector<PosedShape::Point> points_;
+  std::vector<Vec3f> in_camera_;
+  std::vector<float> facing_;
+  struct Near {
+    float depth = 0;  // of the nearest point that faces the camera; 0: none
+    std::uint32_t point = 0;
+  };
+  std::vector<Near> nearest_;  // of each cell
+  Vec3f camera_;
+  Intrinsics seen_k_;
+  int cells_x_ = 0, cells_y_ = 0;
+  float cell_px_ = 1;
 };
 
 }  // namespace im2fit::body

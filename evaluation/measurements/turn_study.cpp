@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <string_view>
 #include <utility>
 
 #include "body/fit/point_mesh.h"
@@ -16,6 +17,7 @@
 #include "body/measure.h"
 #include "body/model_data.h"
 #include "core/rng.h"
+#include "evaluation/measurements/error_statistics.h"
 #include "evaluation/population/other_tape.h"
 #include "hal/source.h"
 #include "perception/observe/observe.h"
@@ -259,36 +261,24 @@ std::string text_of(const std::vector<TurnOutcome>& outcomes) {
   text += fmt::format("yaw error {:.1f} deg, turn error {:.1f} deg, surface {:.1f} mm\n", yaw / n, closed / n,
                       surface / n);
   text += "measurement          people    bias     MAE     p95\n";
+  const auto add_line = [&](std::string_view what, const std::vector<double>& errors) {
+    const ErrorStatistics s = error_statistics(errors);
+    if (s.count > 0)
+      text += fmt::format("{:<20} {:>6} {:>7.1f} {:>7.1f} {:>7.1f}\n", what, s.count, s.bias, s.mae, s.p95);
+  };
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {
     std::vector<double> errors;
-    double bias = 0, mae = 0;
-    for (const TurnOutcome& o : outcomes) {
-      if (!o.measured || !std::isfinite(o.truth[m]) || !std::isfinite(o.measured_values[m])) continue;
-      const auto e = static_cast<double>(o.measured_values[m] - o.truth[m]);
-      errors.push_back(std::fabs(e));
-      bias += e;
-      mae += std::fabs(e);
-    }
-    if (errors.empty()) continue;
-    std::sort(errors.begin(), errors.end());
-    const auto count = static_cast<double>(errors.size());
-    text += fmt::format("{:<20} {:>6} {:>7.1f} {:>7.1f} {:>7.1f}\n", kMeasurementTable[m].id, errors.size(),
-                        bias / count, mae / count, errors[(errors.size() - 1) * 95 / 100]);
+    for (const TurnOutcome& o : outcomes)
+      if (o.measured) errors.push_back(static_cast<double>(o.measured_values[m] - o.truth[m]));
+    add_line(kMeasurementTable[m].id, errors);
   }
   constexpr std::array<const char*, 3> kLevels = {"chest", "waist", "hip"};
   const auto add_levels = [&](const char* what, const auto& values_of) {
     for (std::size_t l = 0; l < kLevels.size(); ++l) {
-      double bias = 0, mae = 0;
-      int count = 0;
-      for (const TurnOutcome& o : outcomes) {
-        if (!o.has_levels || !std::isfinite(values_of(o)[l])) continue;
-        bias += static_cast<double>(values_of(o)[l]);
-        mae += static_cast<double>(std::fabs(values_of(o)[l]));
-        ++count;
-      }
-      if (count > 0)
-        text += fmt::format("{:<20} {:>6} {:>7.1f} {:>7.1f}\n", fmt::format("{} {}", kLevels[l], what), count,
-                            bias / count, mae / count);
+      std::vector<double> errors;
+      for (const TurnOutcome& o : outcomes)
+        if (o.has_levels) errors.push_back(static_cast<double>(values_of(o)[l]));
+      add_line(fmt::format("{} {}", kLevels[l], what), errors);
     }
   };
   add_levels("height", [](const TurnOutcome& o) { return o.level_error_mm; });
