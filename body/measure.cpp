@@ -67,13 +67,15 @@ struct StandingWork {
 // A relaxed, standing mesh and the levels its girths are taken at.
 class Standing {
  public:
-  Standing(const BodyModel& model, std::span<const Vec3f> vertices, float gender, StandingWork& work)
+  // `raised_mm`: chest, waist and hip are taken so much higher than where they are.
+  Standing(const BodyModel& model, std::span<const Vec3f> vertices, float gender, StandingWork& work,
+           float raised_mm = 0)
       : model_(model), d_(model.data()), v_(vertices), gender_(gender), work_(work) {
     assert(vertices.size() == static_cast<std::size_t>(model.vertex_count()));
     heights_along(body_of(model, vertices), {0, 1, 0}, work_.heights);
-    set_level(kChest, nipple_y(), true);
-    set_level(kWaist, waist_y(), true);
-    set_level(kHip, rearmost_buttock_y(), true);
+    set_level(kChest, nipple_y() + raised_mm, true);
+    set_level(kWaist, waist_y() + raised_mm, true);
+    set_level(kHip, rearmost_buttock_y() + raised_mm, true);
     set_level(kShoulder, shoulder_y(), false);
     section_levels(d_.quads, d_.triangle_is_arm, v_, work_.heights, work_.above, work_.levels);
   }
@@ -259,6 +261,7 @@ struct Measurer::Work {
   Skeleton rest_bones;
   PosedSkeleton bones;
   Sections sections;
+  float gender = 0;
 };
 
 Measurer::Measurer(const BodyModel& model) : model_(&model), work_(std::make_unique<Work>()) {
@@ -294,6 +297,7 @@ MeasurementValues Measurer::measure_rest_mesh(std::span<const Vec3f> rest_vertic
   const Pose pose = relaxed_pose(rest, spread_deg(tall_mm, litres));
   const std::span<Vec3f> posed = work_->posed;
   skin(model, rest_vertices, rest, pose, posed);
+  work_->gender = gender;
   Standing standing(model, posed, gender, work_->standing);
   take_sections(standing, work_->sections);
   for (const Section& section : work_->sections) set(section.id, perimeter_mm(section.hull));
@@ -312,6 +316,18 @@ MeasurementValues Measurer::measure_rest_mesh(std::span<const Vec3f> rest_vertic
               chain_length(
                   {head(Segment::right_upper_leg), head(Segment::right_lower_leg), head(Segment::right_foot)})));
   return out;
+}
+
+Measurer::Slopes Measurer::girth_slopes() const {
+  constexpr float kStepMm = 20;
+  const auto girths_at = [&](float raised_mm) {
+    Standing standing(*model_, work_->posed, work_->gender, work_->standing, raised_mm);
+    return Slopes{perimeter_mm(standing.girth(kChest)), perimeter_mm(standing.girth(kWaist)),
+                  perimeter_mm(standing.girth(kHip))};
+  };
+  const Slopes low = girths_at(-kStepMm), high = girths_at(kStepMm);
+  const auto slope = [](double below, double above) { return (above - below) / (2 * static_cast<double>(kStepMm)); };
+  return {slope(low.chest, high.chest), slope(low.waist, high.waist), slope(low.hip, high.hip)};
 }
 
 const MeasurementValues& Measurer::values() const {

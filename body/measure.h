@@ -40,6 +40,12 @@ class Measurer {
   std::span<const Vec3f> posed() const;
   const PosedSkeleton& bones() const;
   std::span<const Section> sections() const;
+  // Of the same mesh: how much chest, waist and hip girth grow with the height they are taken at, mm a mm, from 20 mm
+  // below to 20 mm above.
+  struct Slopes {
+    double chest = 0, waist = 0, hip = 0;
+  };
+  Slopes girth_slopes() const;
 
  private:
   struct Work;

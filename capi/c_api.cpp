@@ -32,7 +32,7 @@ static_assert(IM2FIT_HIP_GIRTH == static_cast<int>(im2fit::Measurement::hip_girt
 static_assert(IM2FIT_STATE_MEASURED == static_cast<int>(im2fit::SessionState::measured));
 static_assert(IM2FIT_STATE_LOST == static_cast<int>(im2fit::SessionState::lost));
 static_assert(IM2FIT_STATE_TURNING == static_cast<int>(im2fit::SessionState::turning));
-static_assert(IM2FIT_VIEWS_FRONT_AND_BACK == static_cast<int>(im2fit::AnswerViews::front_and_back));
+static_assert(IM2FIT_VIEWS_AROUND == static_cast<int>(im2fit::AnswerViews::around));
 static_assert(IM2FIT_SENSOR_UNKNOWN == static_cast<int>(im2fit::SensorKind::unknown));
 static_assert(IM2FIT_SENSOR_TIME_OF_FLIGHT == static_cast<int>(im2fit::SensorKind::time_of_flight));
 static_assert(IM2FIT_USER_COUNT_MAX == im2fit::kUserCountMax);
@@ -42,6 +42,8 @@ static_assert(IM2FIT_GUIDANCE_MOVING == static_cast<int>(im2fit::Guidance::movin
 static_assert(IM2FIT_GUIDANCE_CALIBRATION_POSE == static_cast<int>(im2fit::Guidance::calibration_pose));
 static_assert(IM2FIT_GUIDANCE_TURN_ROUND == static_cast<int>(im2fit::Guidance::turn_round));
 static_assert(IM2FIT_GUIDANCE_CLOTHED == static_cast<int>(im2fit::Guidance::clothed));
+static_assert(IM2FIT_GUIDANCE_TURN_SLOWER == static_cast<int>(im2fit::Guidance::turn_slower));
+static_assert(IM2FIT_TURN_AROUND == static_cast<int>(im2fit::Turn::around));
 static_assert(IM2FIT_CLOTHING_DRESSED == static_cast<int>(im2fit::ClothingGiven::dressed));
 // No padding at the end, which callers never set: a field that comes later would be read from it.
 static_assert(sizeof(im2fit_settings) == offsetof(im2fit_settings, calibration_site_data) + sizeof(im2fit_data));
@@ -108,6 +110,7 @@ im2fit_result to_c(const im2fit::EngineResult& r) {
   out.known_used = r.known_outcome.used;
   out.known_doubted = r.known_outcome.doubted;
   out.frames_back = static_cast<std::uint32_t>(r.frames_back);
+  out.turned_deg = r.turned_deg;
   out.female = r.answer.female;
   out.age = {r.age.years.value, r.age.years.low, r.age.years.high};
   std::copy(r.age.bands.begin(), r.age.bands.end(), out.age_bands);

@@ -82,7 +82,7 @@ Status check_settings(const im2fit_settings& s) {
       {"single_thread", s.single_thread, 0, 1},
       {"pool_frames", s.pool_frames, kPoolFramesMin, kPoolFramesMax},
       {"user_id", s.user_id, 0, std::numeric_limits<std::int32_t>::max()},
-      {"turn", s.turn, 0, 1},
+      {"turn", s.turn, IM2FIT_TURN_NONE, IM2FIT_TURN_AROUND},
       {"clothing", s.clothing, IM2FIT_CLOTHING_UNKNOWN, IM2FIT_CLOTHING_DRESSED},
       {"sensor", s.sensor, IM2FIT_SENSOR_UNKNOWN, IM2FIT_SENSOR_TIME_OF_FLIGHT},
   };
@@ -107,7 +107,7 @@ EngineSettings engine_settings(const im2fit_settings& s) {
   settings.frames_min = s.frames_min;
   settings.user = s.user_id;
   settings.calibration_psi = s.calibration_psi != 0;
-  settings.turn = s.turn != 0 ? Turn::asked : Turn::none;
+  settings.turn = static_cast<Turn>(s.turn);
   settings.clothing = static_cast<ClothingGiven>(s.clothing);
   settings.sensor = static_cast<SensorKind>(s.sensor);
   settings.live = s.live != 0;

@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "body/fit/shape_fitter.h"
 #include "body/model.h"
@@ -35,9 +36,16 @@ enum class SessionState : int { searching, user_found, calibrating, tracking, me
 // front alone, and the person measured before counts as having left.
 inline constexpr float kFrameGapSecondsMax = 2.0F;
 
-// Whether the guidance requests a turn once the front is accumulated. asked: so that both sides are measured. around:
-// one turn on the spot, all of which is measured (estimate/turn_measurement.h).
-enum class Turn : int { none, asked, around };
+// What the guidance requests once the front is accumulated. back: that the person shows the back, so that both sides
+// are measured. around: one turn on the spot, all of which is measured (estimate/turn_measurement.h).
+enum class Turn : int { none, back, around };
+// Least turn that is measured: half of one shows front, a side and the back.
+inline constexpr float kTurnEnoughDeg = 150;
+inline constexpr std::array<std::string_view, 3> kTurnNames = {"none", "back", "around"};
+// Of its name; any other word: none.
+constexpr Turn turn_of(std::string_view name) {
+  return name == "back" ? Turn::back : name == "around" ? Turn::around : Turn::none;
+}
 
 // What an answer rests on.
 enum class AnswerViews : int { none, front, front_and_back, around };
@@ -55,7 +63,7 @@ inline constexpr int kPoolFramesMax = 64;
 struct EngineSettings {
   int width = 640, height = 480;  // of upright frames
   Intrinsics intrinsics;
-  int frames_wanted = 30;        // accepted frames until MEASURED; of each side with Turn::asked
+  int frames_wanted = 30;        // accepted frames until MEASURED; of each side with Turn::back
   int frames_min = 5;            // fewest a measurement, and each of its sides, may rest on when the stream ends
   bool calibration_psi = false;  // ask for the Psi pose first, as the paper does
   Turn turn = Turn::none;        // else TURNING follows the front, see engine/session.h
@@ -97,6 +105,7 @@ Status check_settings(const EngineSettings& settings);
 struct EngineResult {
   std::uint32_t session = 0;  // counts the sessions that followed next_person(), from 0; reset() begins at 0 again
   SessionState state = SessionState::searching;
+  Turn turn = Turn::none;                                       // as EngineSettings::turn
   GuidanceSet guidance = 0;                                     // of the latest frame
   GuidanceSet guidance_seen = 0;                                // of all frames so far
   std::array<std::uint32_t, kGuidanceCount> guidance_frames{};  // frames that carried each code, in bit order

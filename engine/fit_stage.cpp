@@ -18,8 +18,9 @@ SessionRules rules_of(const EngineSettings& settings) {
 
 constexpr int kFollowPeriods = 3;  // ten pictures a second of a person who turns
 
-EngineResult empty_result() {
+EngineResult empty_result(Turn turn) {
   EngineResult result;
+  result.turn = turn;
   result.paper.fill(std::numeric_limits<float>::quiet_NaN());
   return result;
 }
@@ -32,7 +33,7 @@ FitStage::FitStage(const EngineSettings& settings, FrameStages& stages)
       site_(settings.site),
       rules_(rules_of(settings)),
       stages_(stages),
-      result_(empty_result()),
+      result_(empty_result(settings.turn)),
       one_after_another_(settings.one_after_another) {}
 
 // What callers and overlays see of the latest frame, whatever the session makes of it.
@@ -258,7 +259,7 @@ void FitStage::reset() {
   stages_.reset_fit();
   front_frames_ = 0;
   session_ = {};
-  result_ = empty_result();
+  result_ = empty_result(result_.turn);
   chain_.reset();
   steady_.reset();
   motion_.reset();

@@ -42,7 +42,7 @@ class FrameStages {
   virtual GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics,
                           const Detection& detection) = 0;
   virtual int frame_count() const = 0;  // of the side being accumulated: the front until turn(), then the back
-  // The expensive step, once a session; with Turn::asked once for the front and once for both sides. False when the
+  // The expensive step, once a session; with Turn::back once for the front and once for both sides. False when the
   // accumulated frames cannot be described.
   virtual bool measure(MeasuredPerson& person) = 0;
   // Why the last measure() failed, if the cause is a damaged file and not the accumulated frames. Else null.

@@ -39,13 +39,14 @@ class ProductionStages final : public SensingStages {
     if (edges_restored())
       restored_edges_correction(static_cast<float>(described.distance_mm) / front().intrinsics().fx)
           .apply(person.answer);
+    person.age = answer->age;
+    person.seen = answer->seen;
     // A person in clothes would be measured in the clothes.
-    person.around = around_ && !person.answer.clothed && around_->measure(person.answer);
+    person.around = around_ && !person.answer.clothed && around_->farthest_deg() >= kTurnEnoughDeg &&
+                    around_->measure(person.answer, person.seen);
     seen_ = answer->seen;
     joints_ = described.joints;
     floor_ = described.floor;
-    person.age = answer->age;
-    person.seen = answer->seen;
     person.paper = to_values(described.paper);
     person.joints = described.joints;
     person.floor = described.floor;

@@ -12,10 +12,10 @@ namespace im2fit {
 
 class SensingStages : public FrameStages {
  public:
-  // The model must outlive the stages. `turn`: as the engine's settings; memory for the back only with Turn::asked.
+  // The model must outlive the stages. `turn`: as the engine's settings; memory for the back only with Turn::back.
   SensingStages(int width, int height, const JointModel& joint_model, Turn turn = Turn::none)
       : edges_(width, height), sensor_(width, height, joint_model), front_(width, height) {
-    if (turn == Turn::asked) back_.emplace(width, height);
+    if (turn == Turn::back) back_.emplace(width, height);
   }
 
   void restore_edges(DepthImage depth, const Intrinsics& intrinsics) override { edges_.run(depth, intrinsics.fx); }

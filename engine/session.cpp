@@ -95,13 +95,21 @@ SessionStep on_turning_round(const SessionRules& rules, SessionStep step, const 
   Session& next = step.next;
   step.guidance &= kWhileTurning;
   step.follow = step.guidance == 0;
-  const float turned = view.turned_deg < 0 ? -view.turned_deg : view.turned_deg;
+  const auto size = [](float deg) { return deg < 0 ? -deg : deg; };
+  const float turned = size(view.turned_deg);
+  next.unfollowed_periods += view.periods;
+  if (view.turned_deg != next.turned_deg) {
+    const float per_period = size(view.turned_deg - next.turned_deg) / static_cast<float>(next.unfollowed_periods);
+    next.turns_fast = per_period > rules.turn_slower_deg;
+    next.turned_deg = view.turned_deg;
+    next.unfollowed_periods = 0;
+  }
   if (turned >= next.farthest_deg + rules.turn_progress_deg) {
     next.farthest_deg = turned;
     next.turning_periods = 0;
   }
   step.measure = turned >= rules.turn_whole_deg;
-  if (!step.measure) step.guidance |= bit(Guidance::turn_round);
+  if (!step.measure) step.guidance |= bit(next.turns_fast ? Guidance::turn_slower : Guidance::turn_on);
   return step;
 }
 
@@ -222,6 +230,9 @@ MeasuringStep after_measuring(const SessionRules& rules, const Session& session,
     step.next.turning_periods = 0;
     step.next.turned = false;
     step.next.farthest_deg = 0;
+    step.next.turned_deg = 0;
+    step.next.unfollowed_periods = 0;
+    step.next.turns_fast = false;
     return step;
   }
   step.forget = true;

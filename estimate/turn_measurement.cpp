@@ -38,6 +38,23 @@ constexpr std::array<Spread, kMeasurementCount> kSpreads = {{
     {0.5F, 2.3F},  // weight
 }};
 
+// The heights of nipples, navel and buttocks of people of one stature, mm: standard deviations of ANSUR II (the larger
+// of women and men). The surface says little about them, so a girth that changes with height is uncertain by as much.
+constexpr float kChestHeightSdMm = 22, kWaistHeightSdMm = 22, kHipHeightSdMm = 28;
+constexpr float kOf95 = 1.96F;
+
+// Halves of the 95 % intervals that come from not knowing the height, mm.
+std::array<float, kMeasurementCount> level_doubts(const body::Measurer::Slopes& slopes) {
+  std::array<float, kMeasurementCount> out{};
+  const auto set = [&](Measurement id, double slope, float sd_mm) {
+    out[measurement_index(id)] = kOf95 * sd_mm * static_cast<float>(slope);
+  };
+  set(Measurement::chest_girth, slopes.chest, kChestHeightSdMm);
+  set(Measurement::waist_girth, slopes.waist, kWaistHeightSdMm);
+  set(Measurement::hip_girth, slopes.hip, kHipHeightSdMm);
+  return out;
+}
+
 }  // namespace
 
 struct TurnMeasurement::Work {
@@ -112,13 +129,13 @@ float TurnMeasurement::turned_deg() const {
   return work_->view_count == 0 ? 0 : work_->fitter.turned_deg();
 }
 
-bool TurnMeasurement::enough() const {
-  return work_->view_count > 0 && work_->farthest_deg >= kTurnEnoughDeg;
+float TurnMeasurement::farthest_deg() const {
+  return work_->view_count == 0 ? 0 : work_->farthest_deg;
 }
 
-bool TurnMeasurement::measure(index::Answer& answer) {
+bool TurnMeasurement::measure(index::Answer& answer, body::SeenBody& seen) {
   Work& w = *work_;
-  if (!enough()) return false;
+  if (w.view_count == 0) return false;
   const body::TurnFit& fit = w.fitter.run(std::span(w.views).first(w.view_count));
   if (!fit.valid) return false;
   body::Params base;
@@ -128,12 +145,15 @@ bool TurnMeasurement::measure(index::Answer& answer) {
   const MeasurementValues values = w.measurer.measure_rest_mesh(w.mesh, base.gender);
   for (std::size_t m = 0; m < kMeasurementCount; ++m)
     if (kSpreads[m].half > 0 && !std::isfinite(values[m])) return false;
+  const std::array<float, kMeasurementCount> doubts = level_doubts(w.measurer.girth_slopes());
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {
     const Spread& spread = kSpreads[m];
     if (spread.half == 0) continue;
     const float value = values[m] - spread.bias;
-    answer.measurements[m] = {value, value - spread.half, value + spread.half};
+    const float half = std::sqrt(spread.half * spread.half + doubts[m] * doubts[m]);
+    answer.measurements[m] = {value, value - half, value + half};
   }
+  seen = {true, true, fit.shape, fit.poses[0]};
   return true;
 }
 

@@ -15,11 +15,6 @@
 
 namespace im2fit {
 
-// Least turn that measures: half of one shows front, a side and the back.
-inline constexpr float kTurnEnoughDeg = 150;
-// A turn that is whole but for what people leave out at its end.
-inline constexpr float kTurnWholeDeg = 330;
-
 // One caller at a time. No allocation after construction.
 class TurnMeasurement {
  public:
@@ -41,12 +36,12 @@ class TurnMeasurement {
   void reset();
   // The next picture, ten a second or more. False: too little of the person is seen; the next one may be better.
   bool follow(DepthView depth, MaskView mask, const Intrinsics& intrinsics);
-  float turned_deg() const;  // + to the person's left; 0 before begin()
-  bool enough() const;
+  float turned_deg() const;    // + to the person's left; 0 before begin()
+  float farthest_deg() const;  // as far as the person turned, to either side
 
   // Fits the kept pictures and puts the girths, stature and weight of the body found, with their intervals, into
-  // `answer`, which is the front's. False, and nothing changed: too little was turned, or the fit failed.
-  bool measure(index::Answer& answer);
+  // `answer`, and its shape and pose into `seen`; both are the front's. False, and nothing changed: the fit failed.
+  bool measure(index::Answer& answer, body::SeenBody& seen);
 
  private:
   struct Work;

@@ -29,7 +29,6 @@ struct PersonMeasurement {
   hal::SourceInfo source;                 // of the frames
   std::uint64_t frames_damaged = 0;       // SourceStats::damaged of the source: frames left out
   const SiteCalibration* site = nullptr;  // what `result` was corrected by; null: nothing
-  bool turn_asked = false;                // both sides were requested
   // When measured:
   std::optional<SizeAnswer> size;               // of the chest
   std::optional<AnsweredBody> body;             // with a body model

@@ -332,8 +332,12 @@ GuidanceSet reported_guidance(const EngineResult& result) {
 
 GuidanceSet reported_guidance(const PersonMeasurement& person) {
   GuidanceSet set = reported_guidance(person.result);
-  if (person.result.measured && person.turn_asked && person.result.views == AnswerViews::front)
-    set |= static_cast<GuidanceSet>(Guidance::turn_round);
+  const EngineResult& result = person.result;
+  if (!result.measured || result.views != AnswerViews::front) return set;
+  if (result.turn == Turn::back) set |= static_cast<GuidanceSet>(Guidance::turn_round);
+  // A dressed person may have turned enough.
+  if (result.turn == Turn::around && std::fabs(result.turned_deg) < kTurnEnoughDeg)
+    set |= static_cast<GuidanceSet>(Guidance::turn_on);
   return set;
 }
 
@@ -366,7 +370,9 @@ std::string result_json(const PersonMeasurement& person, const std::optional<Res
                     {"damaged", person.frames_damaged}};
   json["source"] = source_json(person.source);
   if (r.measured) json["views"] = std::string(name_of(r.views));
-  if (r.measured) json["estimator"] = std::string(name_of(r.answer.from));
+  if (r.measured && r.turned_deg != 0) json["turned_deg"] = rounded(r.turned_deg, 1);
+  if (r.measured)
+    json["estimator"] = std::string(r.views == AnswerViews::around ? "around fit" : name_of(r.answer.from));
   if (r.measured) json["clothing"] = clothing_json(r.answer);
   json["measurements"] = measurements_json(r);
   if (r.measured && person.site != nullptr) json["calibration_site"] = site_json(person);

@@ -35,7 +35,7 @@ GuidanceSet reported_guidance(const EngineResult& result);
 // Which arms its ARMS_CLOSE is about: those of the latest frame, else those named in at least half of the frames with
 // that code.
 ArmSet reported_arms(const EngineResult& result);
-// The same, with TURN_ROUND if both sides were requested and the answer rests on the front alone.
+// The same, with TURN_ROUND or TURN_ON if a turn was requested and the answer rests on the front alone.
 GuidanceSet reported_guidance(const PersonMeasurement& person);
 
 }  // namespace im2fit

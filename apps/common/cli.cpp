@@ -100,6 +100,11 @@ Option* App::add_option(const std::string& name, std::vector<std::string>& value
 Option* App::add_flag(const std::string& name, bool& value, const std::string& description) {
   return keep(app_->add_flag(name, value, description));
 }
+Option* App::add_word_flag(const std::string& name, std::string& value, const std::string& word,
+                           const std::string& description) {
+  return keep(app_->add_flag_callback(
+      name, [&value, word] { value = word; }, description));
+}
 Option* App::get_option(const std::string& name) {
   return keep(app_->get_option(name));
 }

@@ -67,6 +67,9 @@ class App {
   Option* add_option(const std::string& name, std::string& value, const std::string& description);
   Option* add_option(const std::string& name, std::vector<std::string>& values, const std::string& description);
   Option* add_flag(const std::string& name, bool& value, const std::string& description);
+  // Given, it sets `value` to `word`.
+  Option* add_word_flag(const std::string& name, std::string& value, const std::string& word,
+                        const std::string& description);
   Option* get_option(const std::string& name);  // throws for a name that was not added
   void remove_option(Option* option);
   App* add_subcommand(const std::string& name, const std::string& description);

@@ -92,8 +92,12 @@ Result<Input> open_input(const InputOptions& options) {
 #if IM2FIT_HAVE_LAB
   opening.synthetic = [&](const std::string& seed,
                           const hal::OpenOptions& o) -> Result<std::unique_ptr<hal::Source>> {
-    auto synthetic = lab::open_synthetic(seed, options.body, o.rotate_deg.value_or(90), o.width, o.height,
-                                         {lab::turn_after(options.turn_after_frames), options.clothed});
+    lab::SyntheticActing acting;
+    if (options.turn == Turn::back) acting.turn = lab::turn_after(options.turn_after_frames);
+    if (options.turn == Turn::around) acting.step_round = lab::step_round_after(options.turn_after_frames);
+    acting.clothed = options.clothed;
+    auto synthetic =
+        lab::open_synthetic(seed, options.body, o.rotate_deg.value_or(90), o.width, o.height, acting);
     if (!synthetic) return synthetic.error();
     input.truth = synthetic->truth;
     return std::move(synthetic->source);

@@ -10,6 +10,7 @@
 
 #include "apps/common/paths.h"
 #include "apps/common/program.h"
+#include "engine/engine.h"
 #include "formats/truth_file.h"
 #include "hal/reconnecting_source.h"
 #include "hal/source.h"
@@ -22,7 +23,8 @@ struct InputOptions {
   std::string camera_yaml;
   double unit_mm = 1;                      // of a depth folder's pixels
   std::string body = default_body_path();  // of the synthetic person, too
-  int turn_after_frames = 0;               // of the synthetic person; 0: never
+  Turn turn = Turn::none;                  // of the synthetic person, who stands for so many frames first
+  int turn_after_frames = 0;
   bool clothed = false;                    // the synthetic person
   std::string truth_path;                  // "": truth.json in the folder, NAME.truth.json beside NAME.oni
   int reconnect_s = 0;                     // a camera that went away is waited for so long; -1: for ever

@@ -39,7 +39,7 @@ Result<std::unique_ptr<Engine>> make_engine(const MeasuringOptions& options, con
   settings.frames_wanted = options.frames;
   settings.frames_min = std::min(settings.frames_min, options.frames);
   settings.calibration_psi = options.calibration == "psi";
-  settings.turn = options.around ? Turn::around : options.turn ? Turn::asked : Turn::none;
+  settings.turn = turn_of(options.turn);
   settings.clothing = clothing_of(options.clothing);
   settings.sensor = named_sensor(options.sensor).value_or(source.sensor);
   settings.user = options.user;

@@ -19,8 +19,7 @@ struct MeasuringOptions {
   std::string index = default_index_path();
   int frames = 30;
   std::string calibration = "none";      // or "psi"
-  bool turn = false;                     // front, then back
-  bool around = false;                   // front, then one turn on the spot; not with `turn`
+  std::string turn = "none";             // or another of kTurnNames
   std::string clothing = "auto";         // or another of kClothingGivenNames
   std::string sensor = "auto";           // or another of kSensorKindNames; auto: as the source says
   std::vector<std::string> size_charts;  // empty: the built-in EN 13402-3

@@ -22,7 +22,7 @@ struct RenderOptions {
   std::string pose = "relaxed";
   std::string size = "640x480";
   int frames = 30;
-  int turn_after = 0;  // 0: never
+  int turn_after = 0, step_round_after = 0;  // 0: never
   bool clothed = false;
   bool paper_files = false;
   bool truth_only = false;
@@ -86,6 +86,7 @@ Result<int> run_render(const RenderOptions& options) {
   wanted.family = *family;
   wanted.scene.pose = *pose;
   wanted.scene.turn = turn_after(options.turn_after);
+  if (options.step_round_after > 0) wanted.scene.step_round = step_round_after(options.step_round_after);
   if (options.clothed) dress(wanted.scene);
   wanted.noise = options.condition == "noise";
   if (!wanted.noise) wanted.scene.furniture_count = 0;
@@ -143,9 +144,14 @@ void add_render(cli::App& app, Command& chosen) {
       ->one_of({"640x480", "320x240"})
       ->capture_default_str();
   sub->add_flag("--back", person.scene.back_view, "Seen from behind");
-  sub->add_option("--turn-after", options->turn_after, "The person turns round after N frames; 0: never")
+  auto* turn = sub->add_option("--turn-after", options->turn_after, "The person turns round after N frames; 0: never")
+                   ->range(0, 100000)
+                   ->capture_default_str();
+  sub->add_option("--step-round-after", options->step_round_after,
+                  "The person steps round once, in 9 s, after N frames; 0: never")
       ->range(0, 100000)
-      ->capture_default_str();
+      ->capture_default_str()
+      ->excludes(turn);
   sub->add_flag("--clothed", options->clothed, "In clothes, shoes and hair; the truth stays the body's");
   sub->add_flag("--paper-files", options->paper_files,
                 "Also write sample.obj, .skel, .bvh and .txt in the paper's formats");

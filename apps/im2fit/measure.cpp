@@ -14,8 +14,8 @@ Result<int> run_measure(const SessionOptions& options) {
   std::optional<Progress> progress(std::in_place, "reading frames", 0);
   auto outcome = run_session(options, [&](std::uint64_t frame_count, const EngineResult& result) {
     const std::string good = fmt::format("{} good", result.frames_used);
-    const bool turn = has(result.guidance, Guidance::turn_round);
-    progress->update(frame_count, turn ? good + "; please turn round" : good);
+    const std::string turn = turn_words(result);
+    progress->update(frame_count, turn.empty() ? good : good + "; " + turn);
   });
   progress.reset();  // its line goes before anything else is printed
   if (!outcome) return outcome.error();
@@ -30,7 +30,7 @@ void add_measure(cli::App& app, Command& chosen) {
   auto* sub =
       add_command<SessionOptions>(app, chosen, "measure", "Measure the person in a recording or in front of a camera",
                                   "  im2fit measure person.oni --out me\n  im2fit measure FOLDER --json\n  im2fit "
-                                  "measure synthetic:7 --turn --out seven",
+                                  "measure synthetic:7 --around --out seven",
                                   options, run_measure);
   add_session_options(*sub, *options);
 }

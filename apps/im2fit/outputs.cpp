@@ -289,6 +289,15 @@ std::vector<std::string> session_notes(const SessionOutcome& outcome) {
     notes.push_back(
         fmt::format("measured from the front alone: {} good frames of the back were seen, at least {} are needed",
                     outcome.person.result.frames_back, EngineSettings{}.frames_min));
+  const EngineResult& result = outcome.person.result;
+  const float turned = std::fabs(result.turned_deg);
+  if (result.turn == Turn::around && result.views == AnswerViews::front)
+    notes.push_back(
+        turned < kTurnEnoughDeg
+            ? fmt::format("measured from the front alone: the person turned by {:.0f} degrees, {:.0f} are needed", turned,
+                          kTurnEnoughDeg)
+            : "measured from the front alone: a person in clothes is not measured all round, or the turn could not be "
+              "fitted");
   return notes;
 }
 

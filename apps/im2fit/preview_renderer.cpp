@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "apps/im2fit/session.h"
 #include "core/file.h"
@@ -39,12 +40,22 @@ std::string upper(std::string text) {
 
 }  // namespace
 
+std::string turn_words(const EngineResult& result) {
+  if (has(result.guidance, Guidance::turn_round)) return "please turn round";
+  const bool slower = has(result.guidance, Guidance::turn_slower);
+  if (!slower && !has(result.guidance, Guidance::turn_on)) return "";
+  return fmt::format("please turn {}, once all round: {:.0f} of 360 degrees", slower ? "more slowly" : "slowly",
+                     std::fabs(result.turned_deg));
+}
+
 std::string state_words(const EngineResult& result, int frames_wanted) {
   std::string words = fmt::format("{:<11}", name_of(result.state));
   if (result.user != 0) words += fmt::format("  user {}  {}", result.user, name_of(result.view));
   if (result.state == SessionState::tracking)
     words += fmt::format("  {} of {} good frames", result.frames_used, frames_wanted);
-  if (result.state == SessionState::turning)
+  if (result.state == SessionState::turning && result.turn == Turn::around)
+    words += fmt::format("  turned {:.0f} of 360 degrees", std::fabs(result.turned_deg));
+  else if (result.state == SessionState::turning)
     words += fmt::format("  {} of {} good frames of the back", result.frames_back, frames_wanted);
   return words;
 }
@@ -87,7 +98,7 @@ void PreviewRenderer::show_picture(const FrameSeen& frame) {
   const int height = view_->picture_height(intrinsics_.width, intrinsics_.height, kLineCount);
   const bool measured = frame.result.state == SessionState::measured;
   std::string needed = "needed: " + guidance_words(frame.result.guidance, frame.result.arms_close);
-  if (has(frame.result.guidance, Guidance::turn_round)) needed = "please turn round; " + needed;
+  if (const std::string turn = turn_words(frame.result); !turn.empty()) needed = turn + "; " + needed;
   if (measured) needed = "measured: please step out of the picture";
   view_->show(draw_preview(input, height, false), {state_words(frame.result, frames_wanted_), needed, last_word_});
 }

@@ -44,6 +44,8 @@ class PreviewRenderer {
   std::optional<Error> error_;
 };
 
+// What a person in TURNING is asked to do; "" in other states.
+std::string turn_words(const EngineResult& result);
 // "TRACKING  user 2  front  12 of 30 good frames"
 std::string state_words(const EngineResult& result, int frames_wanted);
 

@@ -28,19 +28,20 @@ void add_session_options(cli::App& sub, SessionOptions& options) {
       ->type_name("DIR");
   sub.add_option("--tracker", options.tracker, "Tracker file")->type_name("FILE")->capture_default_str();
   sub.add_option("--index", options.index, "Index file")->type_name("FILE")->capture_default_str();
-  sub.add_option("--frames", options.frames, "Good frames for a measurement; with --turn, of each side")
+  sub.add_option("--frames", options.frames, "Good frames for a measurement; with --turn, of each side; with --around, of the front")
       ->range(1, 1000)
       ->capture_default_str();
   sub.add_option("--calibration", options.calibration, "Pose requested first: none, or psi as in the paper")
       ->one_of({"none", "psi"})
       ->capture_default_str();
-  auto* turn = sub.add_flag(
-      "--turn", options.turn,
+  auto* turn = sub.add_word_flag(
+      "--turn", options.turn, "back",
       "Measure front and back: guidance TURN_ROUND requests the turn. If the person does not turn within 15 s, "
       "or leaves, the front alone is used");
-  sub.add_flag("--around", options.around,
-               "Measure all round: after the front the person turns once on the spot, slowly, in 6 to 15 s, with the "
-               "arms held off the body. Half a turn is enough; with less the front alone is used")
+  sub.add_word_flag(
+         "--around", options.turn, "around",
+         "Measure all round, which is the most accurate: after the front the person turns once on the spot, slowly, "
+         "in 6 to 15 s, the arms held off the body. Half a turn is enough; with less the front alone is used")
       ->excludes(turn);
   sub.add_option(
          "--clothing", options.clothing,
@@ -102,7 +103,8 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
   if (!options.out.empty())
     if (const auto made = make_directory(options.out); !made) return made.error();
   InputOptions opening = options.input;
-  opening.turn_after_frames = options.turn ? options.frames + kTurnSpareFrames : 0;
+  opening.turn = turn_of(options.turn);
+  opening.turn_after_frames = options.frames + kTurnSpareFrames;
   opening.clothed = clothing_of(options.clothing) == ClothingGiven::dressed;
   auto input = open_input(opening);
   if (!input) return input.error();
@@ -126,7 +128,6 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
   outcome.motion = std::move(motion);
   outcome.shown = std::move(shown);
   outcome.engine = std::move(*engine);
-  outcome.turn_asked = options.turn || options.around;
   outcome.tap = std::make_unique<FrameTap>(*outcome.input.source, 0, std::move(watch));
   catch_interrupt();
   return outcome;
@@ -141,7 +142,6 @@ Status take_person(SessionOutcome& outcome, Result<PersonMeasurement> person, st
   if (!person) return person.error();
   outcome.person = std::move(*person);
   outcome.person.frames_damaged = frames_damaged;
-  outcome.person.turn_asked = outcome.turn_asked;
   return Ok{};
 }
 

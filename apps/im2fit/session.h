@@ -65,7 +65,6 @@ struct SessionOutcome {
   PersonMeasurement person;              // the engine's report when it was concluded
   std::optional<DressedAvatar> dressed;  // once dress() was called
   std::optional<ResultTiming> timing;
-  bool turn_asked = false;
 };
 
 // Opens everything (so that bad words fail before a frame is read) and makes the folder --out. `engine_watch` sees

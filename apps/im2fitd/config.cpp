@@ -3,6 +3,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <functional>
 #include <map>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "core/file.h"
+#include "engine/engine.h"
 
 namespace im2fit::daemon {
 namespace {
@@ -53,10 +55,16 @@ Reader whole(int& field, int low, int high) {
   };
 }
 
-Reader truth(bool& field) {
+// true and false: as older files say back and none.
+Reader turn(std::string& field) {
   return [&field](const YAML::Node& node) {
-    if (!node.IsScalar() || !YAML::convert<bool>::decode(node, field))
-      refuse(node, "is " + shown(node) + ", expected true or false");
+    bool back = false;
+    if (node.IsScalar() && std::find(kTurnNames.begin(), kTurnNames.end(), node.Scalar()) != kTurnNames.end())
+      field = node.Scalar();
+    else if (node.IsScalar() && YAML::convert<bool>::decode(node, back))
+      field = kTurnNames[back ? 1 : 0];
+    else
+      refuse(node, "is " + shown(node) + ", expected none, back or around");
   };
 }
 
@@ -136,7 +144,7 @@ Config interpret(const YAML::Node& root) {
   int buffer_kib = static_cast<int>(config.client_buffer_bytes / 1024);
   const Readers measure = {{"frames", whole(m.frames, 1, 1000)},
                            {"calibration", one_of(m.calibration, {"none", "psi"})},
-                           {"turn", truth(m.turn)},
+                           {"turn", turn(m.turn)},
                            {"clothing", one_of(m.clothing, {kClothingGivenNames.begin(), kClothingGivenNames.end()})},
                            {"sensor", one_of(m.sensor, {kSensorKindNames.begin(), kSensorKindNames.end()})},
                            {"threads", whole(m.threads, 1, 2)},

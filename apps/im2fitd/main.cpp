@@ -288,7 +288,6 @@ Status Daemon::say_person(const EngineResult& result, const hal::Source& source)
   auto person = apps::measured_person(result, data_, source.info());
   if (!person) return person.error();
   person->frames_damaged = source.stats().damaged;
-  person->turn_asked = config_.measuring.turn;
   if (const std::string note = apps::body_note(*person); !note.empty()) log(Level::warning, note);
   say(apps::measured_event(frames_, persons_, *person));
   keep(result_json(*person));

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/text.h"
+#include "engine/engine.h"
 
 namespace im2fit::sessions {
 namespace {
@@ -110,11 +111,18 @@ class Fields {
       return wrong(prefix + key, "is not a whole number of 1 to 65535");
     value = found->get<int>();
   }
-  void flag(const Json& json, const std::string& prefix, const char* key, bool& value) {
-    const Json* found = find(json, prefix, key, false);
+  // Older sessions say true for the back.
+  void turn(const Json& json, std::string& value) {
+    const Json* found = find(json, "settings.", "turn", false);
     if (found == nullptr) return;
-    if (!found->is_boolean()) return wrong(prefix + key, "is not true or false");
-    value = found->get<bool>();
+    if (found->is_boolean()) {
+      value = kTurnNames[found->get<bool>() ? 1 : 0];
+    } else if (found->is_string() &&
+               std::find(kTurnNames.begin(), kTurnNames.end(), found->get<std::string>()) != kTurnNames.end()) {
+      value = found->get<std::string>();
+    } else {
+      wrong("settings.turn", "is not none, back or around");
+    }
   }
   const Json& object(const Json& json, const char* key, bool needed) {
     static const Json kNone = Json::object();
@@ -168,7 +176,7 @@ void read_camera(Fields& fields, const Json& json, Camera& camera) {
 
 void read_settings(Fields& fields, const Json& json, Settings& settings) {
   fields.count(json, "settings.", "frames", settings.frames, false);
-  fields.flag(json, "settings.", "turn", settings.turn);
+  fields.turn(json, settings.turn);
   fields.text(json, "settings.", "calibration", settings.calibration, false);
   fields.text(json, "settings.", "clothing", settings.clothing, false);
   fields.text(json, "settings.", "sensor", settings.sensor, false);

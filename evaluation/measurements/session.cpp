@@ -204,7 +204,7 @@ Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const H
   const bool dressed = capture.scene.clothing != Clothing::none && models.shape_space != nullptr;
   settings.clothing =
       person.clothing_reported ? dressed ? ClothingGiven::dressed : ClothingGiven::bare : ClothingGiven::unknown;
-  if (views == Views::both) settings.turn = Turn::asked;
+  if (views == Views::both) settings.turn = Turn::back;
   if (views == Views::around || views == Views::half) {
     settings.turn = Turn::around;
     settings.body = &models.body;

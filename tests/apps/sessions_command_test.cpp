@@ -39,7 +39,7 @@ class SessionsCommand : public test::MeasuredClip {
     record.truth.tape["waist_girth"] = {800, 804};
     record.camera = {"auto", "rendered", 320, 240, 280, 280, 160, 120};
     record.versions.im2fit = "0.0.0";
-    record.settings = {5, false, "none", "auto", "auto"};
+    record.settings = {5, "none", "none", "auto", "auto"};
     const auto finished = session->finish(record);
     return finished ? session->id() : finished.error().message;
   }

@@ -62,7 +62,7 @@ TEST(Pipeline, TwoThreadsGiveTheBitsOfOne) {
     for (const bool single : {false, true}) {
       EngineSettings settings = with(single);
       settings.frames_wanted = seed % 2 == 0 ? 40 : 15;
-      settings.turn = seed % 2 == 0 ? Turn::none : Turn::asked;
+      settings.turn = seed % 2 == 0 ? Turn::none : Turn::back;
       settings.pool_frames = 3 + static_cast<int>(seed % 6);
       Rig rig(settings);
       for (const Shot& shot : story(seed)) rig.push(shot);

@@ -383,6 +383,71 @@ TEST(Turning, SaysWhatTheBackNeeds) {
   }
 }
 
+SessionRules around_rules() {
+  SessionRules r = turn_rules();
+  r.around = true;
+  return r;
+}
+SessionView turned(float deg, GuidanceSet guidance = 0, int periods = 3) {
+  SessionView view = from(ViewSide::side, guidance);
+  view.turned_deg = deg;
+  view.periods = periods;
+  return view;
+}
+
+TEST(TurningAround, AsksForTheTurnUntilItIsWhole) {
+  constexpr auto kTurnOn = static_cast<GuidanceSet>(Guidance::turn_on);
+  constexpr auto kTurnSlower = static_cast<GuidanceSet>(Guidance::turn_slower);
+  constexpr auto kArms = static_cast<GuidanceSet>(Guidance::arms_close);
+  struct Case {
+    const char* name;
+    SessionView view;
+    GuidanceSet guidance;
+    bool follow, measure;
+  };
+  const Case cases[] = {
+      {"stands", turned(0), kTurnOn, true, false},
+      {"turns", turned(15), kTurnOn, true, false},
+      {"to the other side", turned(-15), kTurnOn, true, false},
+      {"21 degrees in a tenth of a second", turned(21), kTurnSlower, true, false},
+      {"as far in two", turned(21, 0, 6), kTurnOn, true, false},
+      {"is seen from the side, with the arms at the trunk", turned(15, kNotFrontal | kArms), kTurnOn, true, false},
+      {"goes too near", turned(15, kNear), kNear | kTurnOn, false, false},
+      {"has turned all round", turned(331, 0, 300), 0, true, true},
+      {"to the other side, all round", turned(-331, 0, 300), 0, true, true},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.name);
+    const SessionStep step = on_detection(around_rules(), in_turning(false), c.view);
+    EXPECT_EQ(step.guidance, c.guidance);
+    EXPECT_EQ(step.follow, c.follow);
+    EXPECT_EQ(step.measure, c.measure);
+    EXPECT_FALSE(step.use_frame) << "the turn is followed, not accumulated";
+    EXPECT_FALSE(step.drop_back);
+  }
+}
+
+TEST(TurningAround, WaitsForProgressAndNoLonger) {
+  Session session = in_turning(false);
+  SessionStep step;
+  for (const float deg : {0.0F, 12.0F, 19.0F, 24.0F}) {
+    step = on_detection(around_rules(), session, turned(deg, 0, 8));
+    session = step.next;
+    EXPECT_FALSE(step.measure) << deg;
+  }
+  EXPECT_EQ(session.turning_periods, 8) << "24 is 12 more than 12";
+  step = on_detection(around_rules(), session, turned(25, 0, 12));
+  EXPECT_FALSE(step.measure);
+  step = on_detection(around_rules(), step.next, turned(26, 0, 1));
+  EXPECT_TRUE(step.measure) << "stands for more than turn_wait_periods_max";
+}
+
+TEST(TurningAround, WhoLeavesIsMeasuredWithTheTurnSoFar) {
+  const SessionStep step = on_detection(around_rules(), in_turning(false, 0, 2), kAbsent);
+  EXPECT_TRUE(step.measure);
+  EXPECT_FALSE(step.drop_back);
+}
+
 TEST(Turning, WhoLeavesIsMeasuredFromTheFront) {
   SessionView other = from(ViewSide::front, kNear, 9);
   other.user = 4;

@@ -20,7 +20,7 @@ INSTANTIATE_TEST_SUITE_P(Threads, TurnThreading, testing::Values(false, true),
 
 EngineSettings turning(bool single) {
   EngineSettings settings = with(single);
-  settings.turn = Turn::asked;
+  settings.turn = Turn::back;
   return settings;
 }
 constexpr GuidanceSet kNotFrontal = static_cast<GuidanceSet>(Guidance::not_frontal);

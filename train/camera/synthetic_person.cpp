@@ -18,6 +18,11 @@ AboutTurn turn_after(int frames) {
   return frames > 0 ? AboutTurn{frames, kTurnFrames} : AboutTurn{};
 }
 
+StepRound step_round_after(int frames) {
+  constexpr float kSeconds = 9;  // people take 6 to 15
+  return {frames, kSeconds, 360};
+}
+
 void dress(SceneOptions& scene) {
   scene.clothing = Clothing::normal;
   scene.hair = true;
@@ -82,6 +87,8 @@ Result<SyntheticInput> open_synthetic(const std::string& seed, const std::string
   options.scene = furnished_room();
   options.scene.rotate_deg = rotate_deg;
   options.scene.turn = acting.turn;
+  options.scene.step_round = acting.step_round;
+  if (acting.step_round.seconds > 0) options.scene.pose = StandingPose::arms_out;
   if (acting.clothed) dress(options.scene);
   options.width = width;
   options.height = height;

@@ -27,6 +27,8 @@ struct PersonOptions {
 // A person who stands still for so many frames turns round in the next kTurnFrames and shows the back; 0: never.
 inline constexpr int kTurnFrames = 45;
 AboutTurn turn_after(int frames);
+// The same, who then steps round once.
+StepRound step_round_after(int frames);
 
 // A furnished room seen by a camera in portrait mount.
 SceneOptions furnished_room();
@@ -55,6 +57,7 @@ void dress(SceneOptions& scene);
 // What the person of `synthetic` does.
 struct SyntheticActing {
   AboutTurn turn;
+  StepRound step_round;  // with the arms held off the body
   bool clothed = false;
 };
 // `synthetic[:SEED]` as an endless source; loads the body itself. `rotate_deg` is the camera's mount.

@@ -9,7 +9,7 @@ const kTouchMs = 2000;    // touches are reported no more often
 const kReconnectMs = 1000;
 const kRed = ['NO_CAMERA', 'MODELS_MISSING', 'SERVER_GONE', 'TOO_MANY_SCREENS'];
 const kAmber = ['CAMERA_LOST', 'OVER'];
-const kNothingSeen = {state: 'SEARCHING', guidance: [], details: {}, used: 0, back: 0};
+const kNothingSeen = {state: 'SEARCHING', guidance: [], details: {}, used: 0, back: 0, turned: null};
 
 const words = new Words(new URLSearchParams(location.search).get('lang') || navigator.language || 'en');
 const sounds = new Sounds();
@@ -56,10 +56,18 @@ function toneFor(code) {
   if (kAmber.includes(code)) return 'amber';
   return ['HOLD', 'WORKING', 'DONE'].includes(code) ? 'good' : 'plain';
 }
-// Of what is accumulated: of the back while turning.
+// Of what is accumulated: of the back while turning, of a whole turn where one is measured.
 function share() {
+  if (seen.state === 'TURNING' && seen.turned !== null) return Math.min(1, seen.turned / 360);
   const accumulated = seen.state === 'TURNING' ? seen.back : seen.used;
   return seen.state === 'MEASURED' ? 1 : Math.min(1, accumulated / Math.max(1, hello.frames_wanted));
+}
+
+// Who turns does not see the screen: each quarter is heard.
+function turned(deg) {
+  const before = seen.turned;
+  seen.turned = deg === undefined ? null : deg;
+  if (before !== null && Math.floor(deg / 90) > Math.floor(before / 90)) sounds.mark('QUARTER');
 }
 
 function show() {
@@ -75,7 +83,10 @@ function show() {
   if (at('message').textContent !== words.say(code)) at('message').textContent = words.say(code);
   at('accumulated').value = document.body.dataset.stage === 'measure' ? share() : 0;
   const counts = code === 'HOLD' && share() < 1;
-  at('count').textContent = counts ? String(Math.max(1, Math.ceil(3 * (1 - share())))) : '';
+  const turning = seen.state === 'TURNING' && seen.turned !== null && document.body.dataset.stage === 'measure';
+  document.body.dataset.turning = String(turning);
+  at('count').textContent =
+    turning ? `${seen.turned}°` : counts ? String(Math.max(1, Math.ceil(3 * (1 - share())))) : '';
   sounds.say(code);
 }
 
@@ -135,7 +146,7 @@ function showResult() {
     return row;
   }));
   showSize();
-  const notes = [words.of(result.views === 'front+back' ? 'front_and_back' : 'front_only')];
+  const notes = [words.of({around: 'around', 'front+back': 'front_and_back'}[result.views] || 'front_only')];
   if (result.clothing.answered_as === 'dressed') notes.push(words.of('dressed'));
   at('others').textContent = notes.join(' ');
 }
@@ -220,6 +231,7 @@ const on = {
   frame(event) {
     seen.used = event.frames_used;
     seen.back = event.frames_back;
+    turned(event.turned_deg);
     mirror.setJoints(event.pixels, codeNow());
     if (!stage) return;
     stage.setJoints(event.joints);

@@ -7,6 +7,9 @@
 const kTones = {
   NO_PERSON: [[392, 150], [523, 150]],
   TURN_ROUND: [[523, 150], [659, 150], [523, 150], [659, 150]],
+  TURN_ON: [[523, 120], [587, 120], [659, 120], [784, 200]],
+  TURN_SLOWER: [[659, 250], [0, 80], [523, 400]],
+  QUARTER: [[784, 120]],
   SEVERAL_PEOPLE: [[330, 120], [0, 60], [330, 120], [0, 60], [330, 120]],
   TOO_NEAR: [[523, 150], [392, 250]],
   TOO_FAR: [[392, 150], [523, 250]],
@@ -54,6 +57,12 @@ class Sounds {
     if (!this.on || !kTones[code] || (again && (code === 'DONE' || code === 'SERVER_GONE'))) return;
     this.played.push(code);
     if (this.played.length > 100) this.played.shift();
+    this.play(kTones[code]);
+  }
+  // Once, beside what is said.
+  mark(code) {
+    if (!this.on) return;
+    this.played.push(code);
     this.play(kTones[code]);
   }
   play(tones) {

@@ -121,7 +121,7 @@ typedef struct im2fit_settings {
   int32_t width; /* of upright frames, pixels, 1..2048 */
   int32_t height;
   float fx, fy, cx, cy;    /* pixels; of the depth camera, not of the colour camera. The centre of pixel 0 is 0 */
-  int32_t frames_wanted;   /* 30: accepted frames until MEASURED, 1..1000. With `turn`: for each side */
+  int32_t frames_wanted;   /* 30: accepted frames until MEASURED, 1..1000. With TURN_BACK: for each side */
   int32_t frames_min;      /* 5: fewest accepted frames for im2fit_finish to measure, 1..frames_wanted */
   int32_t calibration_psi; /* 0: off. 1: the person raises the arms first. Flags other than 0 and 1 are refused */
   int32_t live;          /* 0: im2fit_push waits when the engine is behind. 1: it drops and counts the oldest frame */
@@ -130,7 +130,7 @@ typedef struct im2fit_settings {
   im2fit_log_fn log;     /* NULL: none. Used until im2fit_close */
   void* log_user;
   int32_t user_id;  /* 0: the first person with empty guidance. Else: the person with this im2fit_result.user_id */
-  int32_t turn;     /* 0: the front is measured. 1: the front, then the back, once the person has turned round */
+  int32_t turn;     /* IM2FIT_TURN_...: what the person is asked to do once the front is accumulated */
   int32_t clothing; /* IM2FIT_CLOTHING_...: what the person wears. 0: estimated from the frames */
   int32_t sensor;   /* IM2FIT_SENSOR_...: how the camera senses depth. 0: estimated from the frames */
   im2fit_data tracker_data; /* these replace the paths above */
@@ -145,6 +145,13 @@ enum {
   IM2FIT_SENSOR_UNKNOWN = 0,          /* estimated from the frames; docs/cameras lists where that is not enough */
   IM2FIT_SENSOR_STRUCTURED_LIGHT = 1, /* Kinect for Xbox 360, Xtion, Astra */
   IM2FIT_SENSOR_TIME_OF_FLIGHT = 2    /* Kinect v2, Azure Kinect */
+};
+
+/* What is measured besides the front. */
+enum {
+  IM2FIT_TURN_NONE = 0,  /* nothing */
+  IM2FIT_TURN_BACK = 1,  /* the back, once the person has turned it to the camera */
+  IM2FIT_TURN_AROUND = 2 /* all round, the most accurate: one slow turn on the spot; needs body_path */
 };
 
 /* What the person wears. */
@@ -403,9 +410,9 @@ enum {
   /* The person has left. The session begins again when a person is found, a limited number of times until
    * im2fit_reset or im2fit_next. */
   IM2FIT_STATE_LOST,
-  /* settings.turn: the front is measured (im2fit_result.front_measured), frames of the back are being accumulated.
-   * MEASURED follows: with both sides; or with the front alone, when the person leaves or does not turn within 450
-   * frames. */
+  /* settings.turn: the front is measured (im2fit_result.front_measured). TURN_BACK: frames of the back are being
+   * accumulated. TURN_AROUND: the person is followed through the turn. MEASURED follows: with what was seen; or with
+   * the front alone, when the person leaves or does not turn within 450 frames. */
   IM2FIT_STATE_TURNING
 };
 
@@ -425,9 +432,11 @@ enum {
   IM2FIT_GUIDANCE_SIDE_CUT = 1 << 11,
   IM2FIT_GUIDANCE_CALIBRATION_POSE = 1 << 12, /* raise the arms: upper arms level, hands up */
   IM2FIT_GUIDANCE_TURN_ROUND = 1 << 13,       /* turn the back to the camera. Show it before all other guidance */
-  IM2FIT_GUIDANCE_CLOTHED = 1 << 14           /* measured, but dressed although settings.clothing is BARE */
+  IM2FIT_GUIDANCE_CLOTHED = 1 << 14,          /* measured, but dressed although settings.clothing is BARE */
+  IM2FIT_GUIDANCE_TURN_ON = 1 << 15,          /* turn on the spot, slowly, all round. The person cannot see a screen */
+  IM2FIT_GUIDANCE_TURN_SLOWER = 1 << 16       /* the same, and slower */
 };
-#define IM2FIT_GUIDANCE_COUNT 15
+#define IM2FIT_GUIDANCE_COUNT 17
 
 /* The arms, the person's own left and right: bits. */
 enum { IM2FIT_ARM_LEFT = 1 << 0, IM2FIT_ARM_RIGHT = 1 << 1 };
@@ -444,7 +453,8 @@ enum {
 enum {
   IM2FIT_VIEWS_NONE = 0, /* no measurement */
   IM2FIT_VIEWS_FRONT,
-  IM2FIT_VIEWS_FRONT_AND_BACK
+  IM2FIT_VIEWS_FRONT_AND_BACK,
+  IM2FIT_VIEWS_AROUND /* the front and a turn of at least 150 degrees */
 };
 
 /* Measurements of the naked body, standing relaxed. A girth is that of the convex hull of the section
@@ -517,7 +527,7 @@ typedef struct im2fit_result {
   im2fit_user users[IM2FIT_USER_COUNT_MAX];
   int32_t front_measured; /* 1: from TURNING on. Until `measured` the values are preliminary, of the front alone */
   int32_t views;          /* IM2FIT_VIEWS_..., of the measurement */
-  uint32_t frames_back;   /* of frames_used: number that show the back */
+  uint32_t frames_back;   /* of frames_used: number that show the back, or the turn */
   im2fit_estimate age;    /* years: median and 95 % interval of similar people in the index */
   float age_bands[IM2FIT_AGE_BAND_COUNT]; /* probabilities of 18-25, 25-45, 45-65, 65-75 years */
   uint32_t arms_close;                    /* IM2FIT_ARM_..., or-ed: the arms that ARMS_CLOSE of `guidance` means */
@@ -525,6 +535,7 @@ typedef struct im2fit_result {
   float clothing_ease_mm;                 /* expected gap of cloth and skin at the trunk, mm; NaN: not estimated */
   uint32_t known_used;                    /* IM2FIT_KNOWN_..., or-ed: facts of im2fit_set_known in the measurement */
   uint32_t known_doubted;                 /* the same: left out, because they do not fit what was seen */
+  float turned_deg; /* TURN_AROUND, from TURNING on: how far the person has turned; + to the person's left */
 } im2fit_result;
 
 /* Copies the latest result, consistent in itself. Never waits for the engine. Any thread. `struct_size` is sizeof

@@ -64,7 +64,7 @@ class Result(c.Structure):
         ("users", User * USERS), ("front_measured", c.c_int32), ("views", c.c_int32), ("frames_back", c.c_uint32),
         ("age", Estimate), ("age_bands", c.c_float * AGE_BANDS), ("arms_close", c.c_uint32),
         ("clothing_probability", c.c_float), ("clothing_ease_mm", c.c_float), ("known_used", c.c_uint32),
-        ("known_doubted", c.c_uint32)]
+        ("known_doubted", c.c_uint32), ("turned_deg", c.c_float)]
 
 
 class Known(c.Structure):

@@ -65,7 +65,8 @@ TEST_F(DaemonConfig, EveryKeyIsTaken) {
   EXPECT_EQ(c->body + c->measuring.tracker + c->measuring.index, "bti");
   EXPECT_EQ(c->measuring.frames, 7);
   EXPECT_EQ(c->measuring.calibration, "psi");
-  EXPECT_TRUE(c->measuring.turn && c->measuring.clothing == "dressed");
+  EXPECT_EQ(c->measuring.turn, "back") << "as older files say it";
+  EXPECT_EQ(c->measuring.clothing, "dressed");
   EXPECT_EQ(c->measuring.sensor, "time-of-flight");
   EXPECT_EQ(c->measuring.threads, 1);
   EXPECT_EQ(c->measuring.size_charts, (std::vector<std::string>{"a.csv", "b.csv"}));
@@ -88,7 +89,7 @@ TEST_F(DaemonConfig, WhatIsWrongIsOneLineWithItsNumber) {
       {"measure:\n  frames: 5.5\n", "line 2: measure.frames"},
       {"\n\nrotate: 45\n", "line 3: rotate is \"45\", expected 0, 90, 180 or 270"},
       {"rotate: [0]\n", "line 1: rotate"},
-      {"measure: {turn: perhaps}\n", "measure.turn is \"perhaps\", expected true or false"},
+      {"measure: {turn: perhaps}\n", "measure.turn is \"perhaps\", expected none, back or around"},
       {"measure: {sensor: lidar}\n", "expected one of auto, structured-light, time-of-flight"},
       {"measure: {calibration: tpose}\n", "expected one of none, psi"},
       {"measure: 5\n", "line 1: measure holds no"},
@@ -102,7 +103,7 @@ TEST_F(DaemonConfig, WhatIsWrongIsOneLineWithItsNumber) {
       {"just text", "line 1: the file holds no"},
       {"source: {a: b}\n", "line 1: source is not a single value, expected a text"},
       {"? [a]\n: b\n", "unknown key"},
-      {"measure:\n  turn: 5\n  frames: 0\n", "line 2: measure.turn is \"5\", expected true or false"},
+      {"measure:\n  turn: 5\n  frames: 0\n", "line 2: measure.turn is \"5\", expected none, back or around"},
   };
   for (const auto& [text, expected] : kWrong) {
     const auto c = load(text);

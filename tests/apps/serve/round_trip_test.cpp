@@ -93,7 +93,7 @@ class Shop {
     page.desk->site = "Shop 3";
     for (const MeasurementInfo& info : kMeasurementTable)
       page.desk->tape.emplace_back(std::string(info.id), Json::object());
-    page.desk->settings = {kFramesWanted, false, "none", "auto", "auto"};
+    page.desk->settings = {kFramesWanted, "none", "none", "auto", "auto"};
     page_ = std::make_unique<test::ShownPage>(page);
     page_->page().use_source(
         source_, {"1.0.0", digest(test::body_path()), digest(test::tracker_path()), digest(test::index_path())});

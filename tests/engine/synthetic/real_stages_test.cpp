@@ -252,7 +252,7 @@ TEST_F(RealStages, APersonWhoTurnsRoundIsMeasuredFromBothSides) {
   std::string texts[2];
   for (const bool single_thread : {true, false}) {
     Story story;
-    auto engine = make_engine(single_thread, Turn::asked, story.watch());
+    auto engine = make_engine(single_thread, Turn::back, story.watch());
     for (std::uint64_t i = 0; i < kTurnClipFrames; ++i) ASSERT_TRUE(push(*engine, i, data_->turn_frames[i]));
     engine->finish();
     const EngineResult r = engine->result();
@@ -289,7 +289,7 @@ TEST_F(RealStages, APersonWhoTurnsRoundIsMeasuredFromBothSides) {
 
 TEST_F(RealStages, WhoLeavesInsteadOfTurningGetsTheFrontsOwnAnswer) {
   Story story;
-  auto engine = make_engine(true, Turn::asked, story.watch());
+  auto engine = make_engine(true, Turn::back, story.watch());
   auto plain = make_engine(true);
   const std::vector<std::uint16_t> empty_room(data_->frames[0].size(), 0);
   std::uint64_t n = 0;
@@ -313,7 +313,7 @@ TEST_F(RealStages, WhoLeavesInsteadOfTurningGetsTheFrontsOwnAnswer) {
 }
 
 TEST_F(RealStages, NothingAllocatesInATurn) {
-  auto engine = make_engine(false, Turn::asked);
+  auto engine = make_engine(false, Turn::back);
   test::arm_allocation_count();
   bool pushed = true;
   for (int person = 0; person < 2; ++person) {

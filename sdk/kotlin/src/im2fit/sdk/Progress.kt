@@ -24,7 +24,11 @@ enum class Guidance {
     NO_PERSON, TOO_NEAR, TOO_FAR, FEET_CUT, HEAD_CUT, ARMS_CLOSE, NOT_FRONTAL, NOT_UPRIGHT, MOVING, SEVERAL_PEOPLE,
     TOO_NOISY, SIDE_CUT, CALIBRATION_POSE, TURN_ROUND,
     /** Measured, but dressed although [Settings.clothing] is BARE. */
-    CLOTHED
+    CLOTHED,
+    /** Turn on the spot, slowly, all round. */
+    TURN_ON,
+    /** The same, and slower. */
+    TURN_SLOWER
 }
 
 /** The person's own arms. */
