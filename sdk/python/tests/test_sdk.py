@@ -611,6 +611,39 @@ class Typed(unittest.TestCase):
             self.assertEqual(done.stdout.count("error:"), 4, done.stdout)
 
 
+@unittest.skipUnless(has("ensurepip"), "no ensurepip (scripts/deps test)")
+class Wheel(unittest.TestCase):
+    def test_the_readme_installs_it(self):
+        # The line of README.md as it stands, where no network can be reached.
+        [line] = re.findall(r"^    (python3 -m venv .*)$", (HERE.parent / "README.md").read_text(), re.M)
+        library = os.environ.get("IM2FIT_LIBRARY")
+        self.assertTrue(library, "IM2FIT_LIBRARY names no library")
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([sys.executable, HERE.parent / "make_wheel.py", library, f"{folder}/build/packages"], check=True,
+                           stdout=subprocess.DEVNULL)
+            nowhere = "http://127.0.0.1:9"
+            environment = {"PATH": "/usr/bin:/bin", "HOME": folder, "LC_ALL": "C.UTF-8", "http_proxy": nowhere,
+                           "https_proxy": nowhere, "PIP_RETRIES": "0"}
+            done = subprocess.run(["sh", "-ec", line], cwd=folder, env=environment, capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, f"{line}\n{done.stdout}{done.stderr}")
+            python = line.split()[-3].replace("/pip", "/python")
+            script = ("import im2fit, importlib.metadata as m, pathlib; p = pathlib.Path(im2fit.__file__).parent\n"
+                      "print(p, im2fit.version(), im2fit.__version__, m.version('im2fit'), (p / 'py.typed').exists())")
+            found = subprocess.run([python, "-c", script], cwd=folder, env=environment, check=True, capture_output=True,
+                                   text=True).stdout.split()
+            self.assertTrue(found[0].startswith(folder), found)
+            self.assertEqual(found[1:], [im2fit.__version__] * 3 + ["True"])
+            if BODY:
+                place = pathlib.Path(folder) / "models"
+                place.mkdir()
+                for name, file in (("body.i2b", pathlib.Path(BODY)), *((n, GOLDEN / n) for n in ("tracker.i2t", "index.i2f"))):
+                    (place / name).symlink_to(file.resolve())
+                script = f"import im2fit; print(im2fit.measure({str(GOLDEN / 'clip')!r}, models='models', frames_wanted=6))"
+                answer = subprocess.run([python, "-c", script], cwd=folder, env=environment, check=True, capture_output=True,
+                                        text=True).stdout
+                self.assertRegex(answer, "<im2fit.Person .* mm, .* kg, chest .*>")
+
+
 if __name__ == "__main__":
     result = unittest.main(verbosity=1, exit=False).result
     skipped = bool(result.skipped) and bool(os.environ.get("IM2FIT_NO_SKIPS"))
