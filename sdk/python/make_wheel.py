@@ -27,12 +27,14 @@ def main(library_path, out):
     version = re.search(r"^project\(im2fit VERSION ([\d.]+)", (ROOT / "CMakeLists.txt").read_text(), re.M).group(1)
     tag, info = f"py3-none-linux_{machine_of(library)}", f"im2fit-{version}.dist-info"
     files = {f"im2fit/{path.name}": path.read_bytes() for path in sorted((HERE / "im2fit").glob("*.py"))}
+    files["im2fit/py.typed"] = b""  # type checkers read the annotations
     files["im2fit/libim2fit.so.0"] = library
     files[f"{info}/licenses/LICENSE"] = (ROOT / "LICENSE").read_bytes()
     files[f"{info}/licenses/NOTICE"] = (ROOT / "NOTICE").read_bytes()
     files[f"{info}/METADATA"] = (
         f"Metadata-Version: 2.1\nName: im2fit\nVersion: {version}\nSummary: Body measurements from a depth camera\n"
-        "License: Apache-2.0\nRequires-Python: >=3.9\nRequires-Dist: numpy\nDescription-Content-Type: text/markdown\n\n" +
+        "License: Apache-2.0\nRequires-Python: >=3.9\nRequires-Dist: numpy\nClassifier: Typing :: Typed\n"
+        "Description-Content-Type: text/markdown\n\n" +
         (HERE / "README.md").read_text()).encode()
     files[f"{info}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: im2fit\nRoot-Is-Purelib: false\nTag: {tag}\n".encode()
     record = f"{info}/RECORD"

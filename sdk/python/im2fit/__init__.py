@@ -4,7 +4,7 @@
     import im2fit
     person = im2fit.measure("FOLDER")          # a depth folder; "me.oni" and "openni2" with libim2fit-cameras
     person.measurements["chest_girth"]         # Estimate(value=..., low=..., high=..., unit='mm')
-    person.size, person.json, person.avatar("glb")
+    person.size, person.tape(), person.json
 
 Frame by frame, from any camera:
 
@@ -16,31 +16,47 @@ Frame by frame, from any camera:
 The C library does the work; its header im2fit.h is the manual. A Session belongs to one thread at a time.
 """
 
+from __future__ import annotations
+
 import ctypes
 import dataclasses
-import html
 import json
 import os
 import pathlib
+from typing import TYPE_CHECKING, Any, Iterable, Sequence, TypedDict, Union
 
 import numpy as np
+import numpy.typing as npt
 
-from . import _c, _folder
+from . import _c
+from ._camera import Camera, lens_of, pose_of, upright
+from ._enums import Clothing, GuidanceCode, Sensor, Sex, State, Status, TapeStatus, Verdict, View
+from ._folder import DepthFolder, DepthFrame
+from ._person import AvatarKind, Estimate, Person, TapeValue, check_avatar_kind, too_late
 
-__all__ = ["Error", "Estimate", "GarmentFit", "Guidance", "Models", "Person", "Session", "garments", "measure", "rig_nodes",
-           "version"]
+if TYPE_CHECKING:
+    from typing_extensions import Unpack  # not needed to run
 
-_library = _cameras_library = None
+__version__ = "1.0.0"
+
+__all__ = ["Camera", "Clothing", "DepthFolder", "DepthFrame", "Error", "Estimate", "GarmentFit", "Guidance", "GuidanceCode",
+           "Models", "Person", "Sensor", "Session", "Settings", "Sex", "State", "Status", "TapeStatus", "TapeValue", "User",
+           "Verdict", "View", "garments", "joint_names", "measure", "read_folder", "rig_nodes", "tape_names", "version"]
+
+StrPath = Union[str, "os.PathLike[str]"]
+
+_library: ctypes.CDLL | None = None
+_cameras_library: ctypes.CDLL | None = None
 
 
-def _lib():
+def _lib() -> ctypes.CDLL:
     global _library
     if _library is None:
         _library = _c.load()
     return _library
 
 
-def _cameras():
+def _cameras() -> ctypes.CDLL:
     global _cameras_library
     if _cameras_library is None:
         _lib()  # first: libim2fit-cameras uses the libim2fit that is already loaded
@@ -49,58 +65,97 @@ def _cameras():
 
 
 class Error(RuntimeError):
-    """A call of the library failed. `status` is the number of the status in im2fit.h, `name` its name ("not_found")."""
+    """A call of the library failed. `name` is the short name of its status, "not_found"."""
 
-    def __init__(self, status, text):
+    def __init__(self, status: int, text: str) -> None:
         super().__init__(text)
-        self.status = status
-        self.name = _lib().im2fit_status_name(status).decode()
+        self.status = Status(status)
+        self.name = str(_lib().im2fit_status_name(status).decode())
 
 
-def version():
-    """The version of the C library, "1.0.0"."""
-    return _lib().im2fit_version().decode()
+def version() -> str:
+    """The version of the C library, "1.0.0". `__version__` is that of this package."""
+    return str(_lib().im2fit_version().decode())
 
 
-def garments():
+def garments() -> list[str]:
     """The ids of all garments."""
     return [_lib().im2fit_garment_id(i).decode() for i in range(_lib().im2fit_garment_count())]
 
 
-def rig_nodes():
+def joint_names() -> list[str]:
+    """The names of the rows of Session.joints(), in its order: head, neck, torso, then left and right shoulder, elbow, hand,
+    hip, knee, foot ("HE", "NE", "TO", "LS", "RS", ...)."""
+    return [_lib().im2fit_joint_name(i).decode() for i in range(_c.JOINTS)]
+
+
+def rig_nodes() -> list[str]:
     """The names of the nodes of Session.rig(), in its order."""
     return [_lib().im2fit_rig_node_name(i).decode() for i in range(_c.RIG_NODES)]
 
 
-@dataclasses.dataclass(frozen=True)
-class Estimate:
-    """A value with its 95 % interval."""
-
-    value: float
-    low: float
-    high: float
-    unit: str
+def tape_names(language: str = "en") -> dict[str, str]:
+    """The names of the measurements of Person.tape() by id: "Thigh girth". `language`: "en", "de", "es", "fr" or "zh"."""
+    lib = _lib()
+    names = {lib.im2fit_tape_id(i).decode(): lib.im2fit_tape_name(i, language.encode())
+             for i in range(lib.im2fit_tape_count())}
+    if None in names.values():
+        raise ValueError(f"no names in the language {language!r}: expected en, de, es, fr or zh")
+    return {key: name.decode() for key, name in names.items()}
 
 
 @dataclasses.dataclass(frozen=True)
 class Guidance:
-    """The progress of a session. `codes`: what the person or the scene must change now."""
+    """The progress of a session. `codes`: what the person or the scene must change now. `view`: the side of the person in the
+    latest frame."""
 
-    state: str
-    codes: tuple
+    state: State
+    codes: tuple[GuidanceCode, ...]
     measured: bool
     frames_seen: int
     frames_used: int
+    view: View
+
+
+@dataclasses.dataclass(frozen=True)
+class User:
+    """A person in view: the box in pixels of the upright picture, inclusive, and the centroid of the visible surface in mm,
+    camera axes."""
+
+    id: int
+    left: int
+    top: int
+    right: int
+    bottom: int
+    x: float
+    y: float
+    z: float
 
 
 @dataclasses.dataclass(frozen=True)
 class GarmentFit:
     """How a garment fits. `best` is the size to buy. `sizes` has the sizes by name, small to large. Each is a dictionary
-    from region ("chest") to a pair: the Estimate of the ease, and the verdict "tight", "snug", "good" or "loose"."""
+    from region ("chest") to a pair: the Estimate of the ease, and the Verdict."""
 
     garment: str
     best: str
-    sizes: dict
+    sizes: dict[str, dict[str, tuple[Estimate, Verdict]]]
+
+
+class Settings(TypedDict, total=False):
+    """Keywords of Session, Session.of and measure: fields of im2fit_settings. Those that are left out have the defaults of
+    im2fit.h. Flags are 0 or 1."""
+
+    frames_wanted: int
+    frames_min: int
+    calibration_psi: int
+    live: int
+    single_thread: int
+    pool_frames: int
+    user_id: int
+    turn: int
+    clothing: Clothing
+    sensor: Sensor
 
 
 @dataclasses.dataclass(frozen=True)
@@ -112,105 +167,70 @@ class Models:
     index: str
 
     @staticmethod
-    def find(directory=None):
+    def find(directory: StrPath | None = None) -> Models:
         """Finds the files as the program im2fit does: IM2FIT_BODY and so on, else a directory with all three
         (docs/models.md). Raises FileNotFoundError."""
         home, env = pathlib.Path.home(), os.environ.get
         data, cache = env("XDG_DATA_HOME") or home / ".local/share", env("XDG_CACHE_HOME") or home / ".cache"
         shared = (env("XDG_DATA_DIRS") or "/usr/local/share:/usr/share").split(":")
+        if directory and pathlib.Path(directory).is_file():
+            raise FileNotFoundError(f"{directory} is a file, expected a directory with the models. Unpack a pack: im2fit "
+                                    f"models install {directory} --to DIRECTORY")
         places = [pathlib.Path(directory)] if directory else [pathlib.Path(p) / "im2fit" for p in (data, cache, *shared) if p]
         names = {"body": "body.i2b", "tracker": "tracker.i2t", "index": "index.i2f"}
         place = next((p for p in places if all((p / name).exists() for name in names.values())), None)
         found = {}
         for key, name in names.items():
             given = None if directory else env("IM2FIT_" + key.upper())
-            if not given and place is None:
-                raise FileNotFoundError("no models in " + ", ".join(map(str, places)) +
-                                        "; get a pack and run: im2fit models install PACK.i2p")
-            found[key] = given or str(place / name)
+            if given:
+                found[key] = given
+            elif place:
+                found[key] = str(place / name)
+            else:
+                raise FileNotFoundError(f"no models in {', '.join(map(str, places))}: expected {', '.join(names.values())}; "
+                                        "get a pack and run: im2fit models install PACK.i2p" +
+                                        (f" --to {directory}" if directory else ""))
         return Models(**found)
-
-
-class Person:
-    """The result of a session, measured or not. `result` is result.json as a dictionary (docs/result.md)."""
-
-    def __init__(self, result, text, avatars):
-        self.result, self.json, self._avatars = result, text, avatars
-
-    @property
-    def measured(self):
-        return self.result["state"] == "MEASURED"
-
-    @property
-    def guidance(self):
-        return tuple(self.result["guidance"])
-
-    @property
-    def measurements(self):
-        return {key: Estimate(entry["value"], *(entry.get("interval") or (None, None)), entry["unit"])
-                for key, entry in self.result.get("measurements", {}).items()}
-
-    @property
-    def size(self):
-        return (self.result.get("size") or {}).get("best")
-
-    @property
-    def female(self):
-        return (self.result.get("sex") or {}).get("female")
-
-    @property
-    def doubted(self):
-        """The facts of Session.set_known() that do not fit what was seen: "stature" or "weight"."""
-        return tuple((self.result.get("known") or {}).get("doubted", ()))
-
-    def avatar(self, kind="glb"):
-        """The bytes of a .glb, .obj or .bvh; None without a measurement."""
-        return self._avatars.get(kind)
-
-    def __repr__(self):
-        if not self.measured:
-            return f"<im2fit.Person not measured: {', '.join(self.guidance) or self.result['state']}>"
-        m = self.measurements
-        return (f"<im2fit.Person {m['stature'].value:.0f} mm, {m['weight'].value:.1f} kg, "
-                f"chest {m['chest_girth'].value:.0f} mm, size {self.size}>")
-
-    def _repr_html_(self):
-        rows = "".join(
-            f"<tr><td>{html.escape(key)}</td><td>{e.value:.1f} {e.unit}</td><td>{e.low:.1f} – {e.high:.1f}</td></tr>"
-            for key, e in self.measurements.items() if e.low is not None)
-        return (f"<p>{html.escape(repr(self))}</p><table><tr><th>measurement</th><th>value</th><th>95 %</th></tr>"
-                f"{rows}</table>")
 
 
 class Session:
     """One person before one depth camera. push() takes frames; pump() takes them from a source of Session.of or attach().
 
     `width, height, fx, fy, cx, cy`: the depth camera, in pixels of frames as they are pushed. `rotate_deg` makes them
-    upright. `distortion`: of a lens that is not yet undone, in OpenCV's order: k1, k2, p1, p2 and optionally k3. Other
-    keywords are fields of im2fit_settings: turn=1, frames_wanted=30, clothing=1, sensor=2, single_thread=1, live=1.
+    upright. `models`: the folder with the three files, or Models; None: the installed ones (Models.find). `distortion`: of a
+    lens that is not yet undone, in OpenCV's order: k1, k2, p1, p2 and optionally k3. Other keywords are those of Settings:
+    turn=1, frames_wanted=30, clothing=Clothing.BARE, sensor=Sensor.TIME_OF_FLIGHT.
 
     One thread at a time may use a session. Raises Error."""
 
-    def __init__(self, width, height, fx, fy, cx, cy, rotate_deg=0, models=None, distortion=(), **settings):
+    def __init__(self, width: int, height: int, fx: float, fy: float, cx: float, cy: float, rotate_deg: int = 0,
+                 models: Models | StrPath | None = None, distortion: Sequence[float] = (),
+                 **settings: Unpack[Settings]) -> None:
         self._handle = ctypes.c_void_p()
-        models = models or Models.find()
+        if not isinstance(models, Models):
+            models = Models.find(models)
         s = _c.Settings()
         _lib().im2fit_settings_init(ctypes.byref(s), ctypes.sizeof(s))
         s.tracker_path, s.index_path = os.fsencode(models.tracker), os.fsencode(models.index)
         s.body_path = os.fsencode(models.body) if models.body else None
-        s.width, s.height, s.fx, s.fy, s.cx, s.cy = _upright(width, height, fx, fy, cx, cy, rotate_deg)
-        known = {name for name, kind in _c.Settings._fields_ if kind is ctypes.c_int32}
+        s.width, s.height, s.fx, s.fy, s.cx, s.cy = upright(width, height, fx, fy, cx, cy, rotate_deg)
         for name, value in settings.items():
-            if name not in known:
-                raise TypeError(f"no setting is called {name}; there are {', '.join(sorted(known))}")
-            setattr(s, name, int(value))
+            if name not in Settings.__annotations__:
+                raise TypeError(f"no setting is called {name}; there are {', '.join(sorted(Settings.__annotations__))}")
+            if not isinstance(value, int):
+                expected = f"one of im2fit.{name.title()}" if name in ("clothing", "sensor") else "a number"
+                raise TypeError(f"{name} is {value!r}, expected {expected}")
+            setattr(s, name, value)
         self._size, self._rotate_deg, self._number = (height, width), rotate_deg, 0
-        self._intrinsics, self._lens, self._options = (fx, fy, cx, cy), _lens_of(distortion), None
+        self._intrinsics, self._lens = (fx, fy, cx, cy), lens_of(distortion)
+        self._options: _c.CamerasOptions | None = None
         self._has_body = bool(models.body)
+        self._answer = 0  # counts up when the session goes on to another person or other facts: an avatar is then another's
         self._check(_lib().im2fit_open(ctypes.byref(s), ctypes.byref(self._handle)))
 
     @classmethod
-    def of(cls, uri, rotate_deg=None, calibration=None, models=None, **settings):
+    def of(cls, uri: StrPath, rotate_deg: int | None = None, calibration: StrPath | None = None,
+           models: Models | StrPath | None = None, **settings: Unpack[Settings]) -> Session:
         """A session with an attached source: a camera ("openni2", "usb", "v4l2:/dev/video2"), a recording ("me.oni") or a
         folder. Needs libim2fit-cameras. `rotate_deg`: mounting of the camera, `calibration`: the path of a YAML, both where
         the source lacks them. Then call pump() until there is a measurement:
@@ -222,9 +242,10 @@ class Session:
         options, source = _camera_options(rotate_deg, calibration), _c.Settings()
         _lib().im2fit_settings_init(ctypes.byref(source), ctypes.sizeof(source))
         status = _cameras().im2fit_cameras_describe(os.fsencode(uri), ctypes.byref(options), ctypes.byref(source))
-        if status != _c.OK:
+        if status != Status.OK:
             raise Error(status, _cameras().im2fit_cameras_error().decode(errors="replace"))
-        settings = {"sensor": source.sensor, "live": source.live, **settings}
+        settings.setdefault("sensor", source.sensor)
+        settings.setdefault("live", source.live)
         session = cls(source.width, source.height, source.fx, source.fy, source.cx, source.cy, models=models, **settings)
         try:
             session.attach(uri, rotate_deg, calibration)
@@ -233,40 +254,45 @@ class Session:
             raise
         return session
 
-    def attach(self, uri, rotate_deg=None, calibration=None):
+    def attach(self, uri: StrPath, rotate_deg: int | None = None, calibration: StrPath | None = None) -> None:
         """Attaches a source, as Session.of does, for pump(). It replaces the attached one. Its upright frames must have the
         size of the session. The session's intrinsics apply to them."""
         options = _camera_options(rotate_deg, calibration)
         handle, cameras = self._open_handle(), _cameras()
         status = cameras.im2fit_cameras_use(handle, ctypes.byref(options))
-        if status == _c.OK:
+        if status == Status.OK:
             self._options = options  # im2fit_attach reads them: they live as long as the handle
             status = _lib().im2fit_attach(handle, os.fsencode(uri))
-        if status != _c.OK:
+        if status != Status.OK:
             raise Error(status, cameras.im2fit_cameras_error().decode(errors="replace"))
 
-    def pump(self, timeout_ms=1000):
+    def pump(self, timeout_ms: int = 1000) -> Guidance | None:
         """Takes one frame from the attached source, if one comes within `timeout_ms`. Skips a damaged frame. Returns the
         Guidance, or None when a recording or folder has ended. Raises Error "no_device" when the camera is gone, "corrupt"
         when the index is damaged."""
         status = _lib().im2fit_pump(self._open_handle(), timeout_ms)
-        if status == _c.END_OF_STREAM:
+        if status == Status.END_OF_STREAM:
             return None
-        if status not in (_c.OK, _c.TIMEOUT, _c.CORRUPT):
+        if status not in (Status.OK, Status.TIMEOUT, Status.CORRUPT):
             reason = _cameras().im2fit_cameras_error() if self._options is not None else b""
             raise Error(status, (reason or _lib().im2fit_last_error(self._handle)).decode(errors="replace"))
-        if status == _c.CORRUPT and _lib().im2fit_wait(self._handle, timeout_ms) == _c.CORRUPT:
-            self._check(_c.CORRUPT)  # the index is damaged, not the frame: every further call would return CORRUPT
+        if status == Status.CORRUPT and _lib().im2fit_wait(self._handle, timeout_ms) == Status.CORRUPT:
+            self._check(Status.CORRUPT)  # the index is damaged, not the frame: every further call would return CORRUPT
         return self.poll()
 
-    def push(self, depth, time_ns=None, sequence=None, confidence=None, confidence_min=0, pose=None, down=None):
+    def push(self, depth: npt.NDArray[np.uint16] | npt.NDArray[np.float32], time_ns: int | None = None,
+             sequence: int | None = None, confidence: npt.NDArray[np.uint8] | None = None, confidence_min: int = 0,
+             pose: npt.ArrayLike | None = None, down: Sequence[float] | None = None) -> Guidance:
         """Processes one frame. Returns the Guidance.
 
         `depth`: height x width, uint16 millimetres or float32 metres (NaN or 0: no data). `confidence`: uint8 of the same
-        shape; pixels below `confidence_min` hold no data. `pose`: of a camera in the hand, seven numbers: the unit quaternion
-        x, y, z, w from the axes of the frame (x right, y down, z forward) to axes at rest, and the position of the camera in
-        those, mm. `down`: the direction of gravity in the axes of the frame, of any length; without it the latest known one
-        holds."""
+        shape; pixels below `confidence_min` hold no data. `down`: the direction of gravity in the axes of the frame, of any
+        length; without it the latest known one holds.
+
+        `pose`: of a camera in the hand, from the axes of the frame (x right, y down, z forward) to axes at rest. A 4x4 matrix
+        with the position in metres, as Open3D, ROS and ARKit have it; ARKit and OpenGL have y up and z backwards: give
+        matrix @ numpy.diag([1, -1, -1, 1]). Or the seven numbers of im2fit_frame: the unit quaternion x, y, z, w and the
+        position in millimetres."""
         depth = np.asarray(depth)
         if depth.shape != self._size or depth.dtype not in (np.uint16, np.float32):
             raise ValueError(f"depth is {depth.dtype} {depth.shape}, expected uint16 or float32 {self._size}")
@@ -284,7 +310,7 @@ class Session:
                 raise ValueError(f"confidence is {confidence.shape}, expected {self._size}")
             frame.confidence, frame.confidence_min = confidence.ctypes.data, confidence_min
         if pose is not None:
-            (frame.turn_x, frame.turn_y, frame.turn_z, frame.turn_w, frame.x_mm, frame.y_mm, frame.z_mm) = map(float, pose)
+            (frame.turn_x, frame.turn_y, frame.turn_z, frame.turn_w, frame.x_mm, frame.y_mm, frame.z_mm) = pose_of(pose)
         if down is not None:
             frame.down_x, frame.down_y, frame.down_z = map(float, down)
         frame.sequence = self._number if sequence is None else sequence
@@ -293,30 +319,47 @@ class Session:
         self._check(_lib().im2fit_push_frame(self._open_handle(), ctypes.byref(frame)))
         return self.poll()
 
-    def poll(self):
+    def poll(self) -> Guidance:
         """The Guidance after the latest frame processed."""
         r = self._result()
-        codes = tuple(_lib().im2fit_guidance_name(bit).decode() for bit in range(32)
-                      if r.guidance >> bit & 1 and _lib().im2fit_guidance_name(bit))
-        return Guidance(_lib().im2fit_state_name(r.state).decode(), codes, bool(r.measured), r.frames_seen, r.frames_used)
+        codes = tuple(code for code in GuidanceCode if r.guidance & code)
+        return Guidance(State(r.state), codes, bool(r.measured), r.frames_seen, r.frames_used, View(r.view))
 
-    def joints(self):
-        """15 x 4: x, y, z (mm, camera axes) and confidence of each joint; None without a person."""
+    def joints(self) -> npt.NDArray[np.float32] | None:
+        """15 x 4: x, y, z (mm, camera axes) and confidence of each joint (joint_names()); None without a person."""
         r = self._result()
-        return np.ctypeslib.as_array(r.joints).view(np.float32).reshape(_c.JOINTS, 4).copy() if r.has_joints else None
+        if not r.has_joints:
+            return None
+        return np.array([(j.x, j.y, j.z, j.confidence) for j in r.joints], np.float32)
 
-    def finish(self):
-        """Ends the stream and measures with the accepted frames. Returns a Person, measured or not."""
+    def users(self) -> list[User]:
+        """All people in the latest frame, nearest first."""
+        r = self._result()
+        return [User(u.id, u.left, u.top, u.right, u.bottom, u.x, u.y, u.z) for u in r.users[:r.user_count]]
+
+    def select_user(self, user_id: int) -> None:
+        """From the next frame on measures only the person with this User.id; 0: the first one whose guidance is empty. Another
+        id than before begins a new session."""
+        self._check(_lib().im2fit_select_user(self._open_handle(), user_id))
+        self._answer += 1
+
+    def finish(self) -> Person:
+        """Ends the stream and measures with the accepted frames. Returns a Person, measured or not. Call it again after
+        set_known, which changes the measurements."""
         self._check(_lib().im2fit_finish(self._open_handle()))
         text = self._bytes(_lib().im2fit_result_json).decode()
         result = json.loads(text)
-        avatars = {}
-        if result["state"] == "MEASURED" and self._has_body:
-            for kind, number in _c.AVATAR_FORMATS.items():
-                avatars[kind] = self._bytes(_lib().im2fit_avatar, ctypes.c_int32(number))
-        return Person(result, text, avatars)
+        measured, answer = result["state"] == "MEASURED", self._answer
 
-    def mesh(self):
+        def make_avatar(kind: AvatarKind) -> bytes:
+            if not self._handle or self._answer != answer:
+                raise too_late(kind)
+            return self._bytes(_lib().im2fit_avatar, ctypes.c_int32(_c.AVATAR_FORMATS[kind]))
+
+        return Person(result, text, self._tape() if measured and self._has_body else {}, self._sizes() if measured else {},
+                      make_avatar)
+
+    def mesh(self) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.int32]]:
         """The measured person as a mesh: (vertices n x 3 in mm, triangles m x 3)."""
         count, faces = ctypes.c_size_t(), ctypes.c_size_t()
         handle = self._open_handle()
@@ -326,40 +369,41 @@ class Session:
                                             faces, ctypes.byref(faces)))
         return vertices, triangles
 
-    def fit(self, garment):
+    def fit(self, garment: str) -> GarmentFit:
         """How a garment, by its id, fits the measured person: a GarmentFit."""
         count, best, handle = ctypes.c_size_t(), ctypes.c_size_t(), self._open_handle()
         arguments = (handle, garment.encode())
         status = _lib().im2fit_garment_fit(*arguments, None, ctypes.sizeof(_c.SizeFit), 0, ctypes.byref(count), None)
-        if status != _c.TOO_SMALL:
+        if status != Status.TOO_SMALL:
             self._check(status)
         fits = (_c.SizeFit * count.value)()
         self._check(_lib().im2fit_garment_fit(*arguments, fits, ctypes.sizeof(_c.SizeFit), count, ctypes.byref(count),
                                               ctypes.byref(best)))
         sizes = {fit.name.decode(): {
             place.name.decode(): (Estimate(place.ease_mm, place.low_mm, place.high_mm, "mm"),
-                                  _lib().im2fit_fit_name(place.verdict).decode())
+                                  Verdict(place.verdict))
             for place in fit.regions[:fit.region_count]} for fit in fits}
         return GarmentFit(garment, fits[best.value].name.decode(), sizes)
 
-    def dressed_avatar(self, *worn):
+    def dressed_avatar(self, *worn: str | tuple[str, str | None]) -> bytes:
         """The measured person in clothes, as the bytes of a .glb. `worn`, innermost first: the id of a garment, for the best
         size, or a pair of id and size. Without any: trousers and a T-shirt."""
         pairs = [(one, None) if isinstance(one, str) else one for one in worn]
-        items = (_c.Worn * len(pairs))(*((garment.encode(), size.encode() if size else None) for garment, size in pairs))
+        items = (_c.Worn * len(pairs))(*(_c.Worn(garment.encode(), size.encode() if size else None)
+                                         for garment, size in pairs))
         return self._bytes(_lib().im2fit_dressed_avatar, items, ctypes.c_size_t(len(pairs)))
 
-    def rig(self):
+    def rig(self) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]] | None:
         """The pose of the avatar's nodes (rig_nodes()) in the latest frame: (root, 3 numbers, metres; rotations, 19 x 4, unit
         quaternions x y z w). None when no person is followed in that frame. Needs a measurement."""
         rig = _c.Rig()
         status = _lib().im2fit_live_rig(self._open_handle(), ctypes.byref(rig), ctypes.sizeof(rig))
-        if status == _c.NOT_FOUND:
+        if status == Status.NOT_FOUND:
             return None
         self._check(status)
         return np.array(rig.root_m, np.float32), np.array(rig.rotations, np.float32)
 
-    def models(self):
+    def models(self) -> dict[str, Any]:
         """A description of the models: a dict with the fields of im2fit_models (made_by, people, captures, tracker_key, and
         has_body, answers_shape, answers_turned, answers_clothed, site_corrected as bool)."""
         models = _c.Models()
@@ -369,81 +413,93 @@ class Session:
         return {name: bool(v) if kind is ctypes.c_int32 else v
                 for (name, kind), v in zip(_c.Models._fields_, known.values())}
 
-    def set_known(self, stature_mm=0, weight_kg=0, sex=None, age_years=0, stature_sd_mm=0, weight_sd_kg=0, age_sd_years=0):
+    def set_known(self, stature_mm: float | None = None, weight_kg: float | None = None, sex: Sex | None = None,
+                  age_years: float | None = None, stature_sd_mm: float | None = None, weight_sd_kg: float | None = None,
+                  age_sd_years: float | None = None) -> None:
         """Sets what the person reports of themselves: evidence beside the frames, before, during or after them. A known
-        weight makes girths more accurate. Add 0.5 to an age in completed years. `sex` is "woman" or "man". 0 and None: not known. A standard
-        deviation of 0 is that of facts as people report them; of a weight from a scale give weight_sd_kg=0.7. A second
-        call replaces the first. Person.doubted names what does not fit the frames and was not used."""
-        if sex not in (None, "woman", "man"):
-            raise ValueError(f"sex {sex!r}: expected 'woman', 'man' or None")
+        weight makes girths more accurate. Add 0.5 to an age in completed years. None and 0: not known. A standard deviation of
+        None is that of facts as people report them; of a weight from a scale give weight_sd_kg=0.7. A second call replaces the
+        first. Person.doubted names what does not fit the frames and was not used."""
         known = _c.Known()
         _lib().im2fit_known_init(ctypes.byref(known), ctypes.sizeof(known))
         known.stature_mm, known.stature_sd_mm = stature_mm or 0, stature_sd_mm or 0
         known.weight_kg, known.weight_sd_kg = weight_kg or 0, weight_sd_kg or 0
         known.age_years, known.age_sd_years = age_years or 0, age_sd_years or 0
-        known.sex = {None: 0, "woman": 1, "man": 2}[sex]
+        known.sex = Sex(sex or 0)
         self._check(_lib().im2fit_set_known(self._open_handle(), ctypes.byref(known)))
+        self._answer += 1
 
-    def next(self):
+    def next(self) -> None:
         """Prepares for the next person: frames are processed again. The measurement stays until the measured person has
         left."""
         self._check(_lib().im2fit_next(self._open_handle()))
+        self._answer += 1
 
-    def reset(self):
+    def reset(self) -> None:
         """Begins a session for a new person and forgets all frames."""
         self._check(_lib().im2fit_reset(self._open_handle()))
         self._number = 0
+        self._answer += 1
 
-    def close(self):
+    def close(self) -> None:
         """Frees the session. A second call does nothing."""
         if self._handle:
             _lib().im2fit_close(self._handle)
             self._handle = ctypes.c_void_p()
 
-    def __enter__(self):
+    def __enter__(self) -> Session:
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         self.close()
 
-    def __del__(self):
+    def __del__(self) -> None:
         if getattr(self, "_handle", None):
             self.close()
 
-    def _open_handle(self):
+    def _open_handle(self) -> ctypes.c_void_p:
         if not self._handle:
             raise ValueError("the session is closed")
         return self._handle
 
-    def _result(self):
+    def _result(self) -> _c.Result:
         r = _c.Result()
         self._check(_lib().im2fit_poll(self._open_handle(), ctypes.byref(r), ctypes.sizeof(r)))
         return r
 
-    def _check(self, status):
-        if status != _c.OK:
+    def _check(self, status: int) -> None:
+        if status != Status.OK:
             text = (_lib().im2fit_last_error(self._handle) if self._handle else b"") or _lib().im2fit_last_error(None)
             raise Error(status, text.decode(errors="replace"))
 
-    def _bytes(self, function, *arguments):
+    def _tape(self) -> dict[str, TapeValue]:
+        lib, count = _lib(), _lib().im2fit_tape_count()
+        values = (_c.TapeValue * count)()
+        self._check(lib.im2fit_tape(self._open_handle(), None, count, values, ctypes.sizeof(_c.TapeValue)))
+        return {lib.im2fit_tape_id(i).decode(): TapeValue(
+            TapeStatus(v.status), v.value, v.low, v.high, lib.im2fit_tape_unit(i).decode(), lib.im2fit_tape_iso(i).decode(),
+            (v.reason or b"").decode()) for i, v in enumerate(values)}
+
+    def _sizes(self) -> dict[str, float]:
+        count, handle = ctypes.c_size_t(), self._open_handle()
+        status = _lib().im2fit_sizes(handle, None, 0, ctypes.byref(count), None)
+        if status != Status.TOO_SMALL:
+            self._check(status)
+        sizes = (_c.Size * count.value)()
+        self._check(_lib().im2fit_sizes(handle, sizes, count, ctypes.byref(count), None))
+        return {size.name.decode(): size.probability for size in sizes}
+
+    def _bytes(self, function: Any, *arguments: Any) -> bytes:
         needed = ctypes.c_size_t()
         status = function(self._open_handle(), *arguments, None, 0, ctypes.byref(needed))
-        if status != _c.TOO_SMALL:
+        if status != Status.TOO_SMALL:
             self._check(status)
         place = ctypes.create_string_buffer(needed.value + 1)
         self._check(function(self._handle, *arguments, place, needed.value + 1, ctypes.byref(needed)))
         return place.raw[:needed.value]
 
 
-def _lens_of(distortion):
-    """k1, k2, p1, p2, k3: OpenCV's order."""
-    numbers = [float(number) for number in np.ravel(distortion)]
-    if len(numbers) not in (0, 4, 5):
-        raise ValueError(f"distortion has {len(numbers)} numbers, expected k1, k2, p1, p2 and perhaps k3")
-    return tuple(numbers + [0.0] * (5 - len(numbers)))
-
-
-def _camera_options(rotate_deg, calibration):
+def _camera_options(rotate_deg: int | None, calibration: StrPath | None) -> _c.CamerasOptions:
     options = _c.CamerasOptions()
     _cameras().im2fit_cameras_options_init(ctypes.byref(options), ctypes.sizeof(options))
     if rotate_deg is not None:
@@ -453,39 +509,45 @@ def _camera_options(rotate_deg, calibration):
     return options
 
 
-def _upright(width, height, fx, fy, cx, cy, rotate_deg):
-    """The camera of the upright picture: hal/rotate.cpp has the same lines."""
-    if rotate_deg == 90:
-        return height, width, fy, fx, height - 1 - cy, cx
-    if rotate_deg == 180:
-        return width, height, fx, fy, width - 1 - cx, height - 1 - cy
-    if rotate_deg == 270:
-        return height, width, fy, fx, cy, width - 1 - cx
-    if rotate_deg != 0:
-        raise ValueError(f"rotate_deg is {rotate_deg}, expected 0, 90, 180 or 270")
-    return width, height, fx, fy, cx, cy
+def read_folder(path: StrPath) -> DepthFolder:
+    """Opens a depth folder (docs/cameras/folders-and-recordings.md): a loop over it reads its frames.
+
+        folder = im2fit.read_folder("FOLDER")
+        with im2fit.Session(**vars(folder.camera)) as session:
+            for frame in folder:
+                session.push(**vars(frame))
+            person = session.finish()
+    """
+    return DepthFolder(path)
 
 
-def measure(source, models=None, rotate_deg=None, calibration=None, **settings):
+def measure(source: StrPath, models: Models | StrPath | None = None, rotate_deg: int | None = None,
+            calibration: StrPath | None = None, avatars: Iterable[AvatarKind] = (), **settings: Unpack[Settings]) -> Person:
     """Measures the person in a depth folder, a recording (.oni) or before a camera; sources are those of Session.of. Uses
     frames until the measurement, or all of them. Returns a Person: check its `measured` and `guidance`. A folder does not
-    need libim2fit-cameras. `settings` are those of Session."""
-    if pathlib.Path(source).is_dir() and rotate_deg is None and calibration is None:
-        return _measure_folder(pathlib.Path(source), models, settings)
+    need libim2fit-cameras. `avatars`: the kinds of Person.avatar to make. `models` and `settings` are those of Session."""
+    avatars = tuple(avatars)
+    for kind in avatars:
+        check_avatar_kind(kind)
+    place = pathlib.Path(source)
+    if not place.exists() and ":" not in str(source) and (place.suffix == ".oni" or len(place.parts) > 1):  # no URI
+        raise FileNotFoundError(f"{source} does not exist: expected a depth folder or a recording")
+    if place.is_dir() and rotate_deg is None and calibration is None:
+        folder = read_folder(place)
+        with Session(**vars(folder.camera), models=models, **settings) as session:
+            for frame in folder:
+                if session.push(**vars(frame)).measured:
+                    break
+            return _finished(session, avatars)
     with Session.of(source, rotate_deg, calibration, models, **settings) as session:
         progress = session.pump()
         while progress is not None and not progress.measured:
             progress = session.pump()
-        return session.finish()
+        return _finished(session, avatars)
 
 
-def _measure_folder(folder, models, settings):
-    camera = _folder.read_camera(folder / "camera.yaml")
-    frames, times = _folder.frames_of(folder), _folder.read_times(folder)
-    downs = {} if camera.rotate_deg else _folder.read_downs(folder)  # of pictures that are stored upright
-    with Session(**dataclasses.asdict(camera), models=models, **settings) as session:
-        for number, path in frames:
-            time_ns = times.get(number, number * 1_000_000_000 // 30)
-            if session.push(_folder.read_frame(path), time_ns=time_ns, sequence=number, down=downs.get(number)).measured:
-                break
-        return session.finish()
+def _finished(session: Session, avatars: Iterable[AvatarKind]) -> Person:
+    person = session.finish()
+    for kind in avatars if person.measured else ():
+        person.avatar(kind)
+    return person

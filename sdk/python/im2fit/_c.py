@@ -2,11 +2,13 @@
 """The C interface im2fit.h and cameras.h for ctypes: structs, statuses, functions. tests/test_sdk.py compares the structs
 with the headers, with a C compiler."""
 
+from __future__ import annotations
+
 import ctypes as c
 import os
 import pathlib
+from typing import Any, Iterable
 
-OK, NOT_FOUND, CORRUPT, TIMEOUT, END_OF_STREAM, TOO_SMALL = 0, -2, -4, -7, -8, -11
 REGIONS, RIG_NODES = 8, 19
 MEASUREMENTS, JOINTS, USERS, AGE_BANDS = 11, 15, 8, 4
 FORMAT_U16, FORMAT_DEPTH16, FORMAT_F32 = 0, 1, 2
@@ -86,6 +88,14 @@ class Worn(c.Structure):
     _fields_ = [("garment", c.c_char_p), ("size", c.c_char_p)]
 
 
+class Size(c.Structure):
+    _fields_ = [("name", c.c_char * 32), ("probability", c.c_float)]
+
+
+class TapeValue(c.Structure):
+    _fields_ = [("status", c.c_int32), ("value", c.c_float), ("low", c.c_float), ("high", c.c_float), ("reason", c.c_char_p)]
+
+
 class Rig(c.Structure):
     _fields_ = [("root_m", c.c_float * 3), ("rotations", c.c_float * 4 * RIG_NODES), ("user_id", c.c_int32),
                 ("joints_inferred", c.c_uint32)]
@@ -104,11 +114,12 @@ class CamerasOptions(c.Structure):
 
 STRUCTS = {"im2fit_data": Data, "im2fit_settings": Settings, "im2fit_frame": Frame, "im2fit_estimate": Estimate,
            "im2fit_joint": Joint, "im2fit_known": Known, "im2fit_user": User, "im2fit_result": Result,
+           "im2fit_size": Size, "im2fit_tape_value": TapeValue,
            "im2fit_region_fit": RegionFit, "im2fit_size_fit": SizeFit, "im2fit_worn": Worn, "im2fit_rig": Rig,
            "im2fit_models": Models, "im2fit_cameras_options": CamerasOptions}
 
 
-def load(path=None):
+def load(path: str | None = None) -> c.CDLL:
     """Loads libim2fit: `path`, else IM2FIT_LIBRARY, else the one of this package, else the system's."""
     beside = pathlib.Path(__file__).with_name("libim2fit.so.0")
     name = path or os.environ.get("IM2FIT_LIBRARY") or (str(beside) if beside.exists() else "libim2fit.so.0")
@@ -137,11 +148,17 @@ def load(path=None):
             ("garment_count", c.c_size_t, []), ("garment_id", c.c_char_p, [c.c_size_t]), ("fit_name", c.c_char_p, [c.c_int]),
             ("rig_node_name", c.c_char_p, [c.c_int]),
             ("attach", c.c_int, [pointer, c.c_char_p]), ("pump", c.c_int, [pointer, c.c_int32]), ("detach", c.c_int, [pointer]),
-            ("state_name", c.c_char_p, [c.c_int]), ("guidance_name", c.c_char_p, [c.c_int])))
+            ("select_user", c.c_int, [pointer, c.c_int32]),
+            ("sizes", c.c_int, [pointer, c.POINTER(Size), c.c_size_t, c.POINTER(c.c_size_t), c.POINTER(c.c_size_t)]),
+            ("tape", c.c_int, [pointer, c.POINTER(c.c_char_p), c.c_size_t, c.POINTER(TapeValue), c.c_size_t]),
+            ("tape_count", c.c_size_t, []), ("tape_id", c.c_char_p, [c.c_size_t]), ("tape_unit", c.c_char_p, [c.c_size_t]),
+            ("tape_iso", c.c_char_p, [c.c_size_t]), ("tape_name", c.c_char_p, [c.c_size_t, c.c_char_p]),
+            ("joint_name", c.c_char_p, [c.c_int]), ("state_name", c.c_char_p, [c.c_int]),
+            ("guidance_name", c.c_char_p, [c.c_int])))
     return lib
 
 
-def load_cameras():
+def load_cameras() -> c.CDLL:
     """Loads libim2fit-cameras, after load(): IM2FIT_CAMERAS_LIBRARY, else the system's."""
     name = os.environ.get("IM2FIT_CAMERAS_LIBRARY") or "libim2fit-cameras.so.0"
     try:
@@ -156,7 +173,7 @@ def load_cameras():
     return lib
 
 
-def _declare(lib, functions):
+def _declare(lib: c.CDLL, functions: Iterable[tuple[str, Any, list[Any]]]) -> None:
     for function, result, arguments in functions:
         handle = getattr(lib, "im2fit_" + function)
         handle.restype, handle.argtypes = result, arguments

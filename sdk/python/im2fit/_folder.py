@@ -1,36 +1,59 @@
 # SPDX-License-Identifier: Apache-2.0
 """Depth folders (docs/cameras/folders-and-recordings.md): 16-bit PNG or PGM in millimetres, and camera.yaml."""
 
+from __future__ import annotations
+
 import csv
 import dataclasses
+import importlib
+import os
 import pathlib
 import re
 import struct
 import zlib
+from typing import Any, Iterator
 
 import numpy as np
+import numpy.typing as npt
 
+from ._camera import Camera
+
+Image: Any = None
 try:  # ten times faster than read_png below
-    from PIL import Image
+    Image = importlib.import_module("PIL.Image")
 except ImportError:
-    Image = None
+    pass
 
 
-@dataclasses.dataclass
-class Camera:
-    """In pixels of the frames as stored; `rotate_deg` makes them upright."""
+@dataclasses.dataclass(frozen=True)
+class DepthFrame:
+    """A frame of a folder: arguments of Session.push."""
 
-    width: int
-    height: int
-    fx: float
-    fy: float
-    cx: float
-    cy: float
-    rotate_deg: int = 0
-    distortion: tuple = ()  # OpenCV's order: k1, k2, p1, p2, k3
+    depth: npt.NDArray[np.uint16]
+    time_ns: int
+    sequence: int
+    down: tuple[float, ...] | None
 
 
-def _numbers(text, key, path, required=True):
+class DepthFolder:
+    """A depth folder: its `camera`, and its frames, which are read one by one as a loop comes to them."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = pathlib.Path(path)
+        self.camera = read_camera(self.path / "camera.yaml")
+        self._frames, self._times = frames_of(self.path), read_times(self.path)
+        self._downs = {} if self.camera.rotate_deg else read_downs(self.path)  # they are of pictures that are stored upright
+
+    def __len__(self) -> int:
+        return len(self._frames)
+
+    def __iter__(self) -> Iterator[DepthFrame]:
+        for number, path in self._frames:
+            time_ns = self._times.get(number, number * 1_000_000_000 // 30)
+            yield DepthFrame(read_frame(path), time_ns, number, self._downs.get(number))
+
+
+def _numbers(text: str, key: str, path: str | os.PathLike[str], required: bool = True) -> list[float]:
     found = re.search(rf"^{key}:\s*\n(?:\s+(?:rows|cols):.*\n)*\s+data:\s*\[([^\]]*)\]", text, re.M)
     if not found:
         if required:
@@ -39,14 +62,16 @@ def _numbers(text, key, path, required=True):
     return [float(word) for word in found.group(1).split(",")]
 
 
-def read_camera(path):
+def read_camera(path: str | os.PathLike[str]) -> Camera:
     text = pathlib.Path(path).read_text(encoding="utf-8")
 
-    def whole(key, default=None):
+    def whole(key: str, default: int | None = None) -> int:
         found = re.search(rf"^{key}:\s*(-?\d+)\s*$", text, re.M)
-        if not found and default is None:
+        if found:
+            return int(found.group(1))
+        if default is None:
             raise ValueError(f"{path}: no {key}")
-        return int(found.group(1)) if found else default
+        return default
 
     k = _numbers(text, "camera_matrix", path)
     lens = _numbers(text, "distortion_coefficients", path, required=False)
@@ -59,7 +84,7 @@ def read_camera(path):
                   tuple(lens) if any(lens) else ())
 
 
-def _unfilter(raw, width, height):
+def _unfilter(raw: bytes, width: int, height: int) -> npt.NDArray[np.uint8]:
     stride = 2 * width
     rows = np.frombuffer(raw, np.uint8).reshape(height, stride + 1)
     out = np.zeros((height + 1, stride), np.uint8)  # a row of zeros above the first
@@ -86,7 +111,7 @@ def _unfilter(raw, width, height):
     return out[1:].reshape(height, width, 2)
 
 
-def read_png(path):
+def read_png(path: pathlib.Path) -> npt.NDArray[np.uint16]:
     if Image is not None:
         with Image.open(path) as picture:
             if not picture.mode.startswith("I"):
@@ -106,7 +131,7 @@ def read_png(path):
     return (pairs[..., 0] << 8 | pairs[..., 1]).astype(np.uint16)
 
 
-def read_pgm(path):
+def read_pgm(path: pathlib.Path) -> npt.NDArray[np.uint16]:
     data = pathlib.Path(path).read_bytes()
     head = re.match(rb"P5\s+(?:#[^\n]*\n\s*)*(\d+)\s+(\d+)\s+(\d+)\s", data)
     if not head or int(head.group(3)) < 256:
@@ -115,7 +140,7 @@ def read_pgm(path):
     return np.frombuffer(data, ">u2", width * height, head.end()).reshape(height, width).astype(np.uint16)
 
 
-def frames_of(folder):
+def frames_of(folder: str | os.PathLike[str]) -> list[tuple[int, pathlib.Path]]:
     """(number, path) of the frames, in order."""
     found = []
     for path in pathlib.Path(folder).iterdir():
@@ -127,7 +152,7 @@ def frames_of(folder):
     return sorted(found)
 
 
-def read_times(folder):
+def read_times(folder: str | os.PathLike[str]) -> dict[int, int]:
     """host_ns by frame number, from timestamps.csv; empty without one."""
     path = pathlib.Path(folder) / "timestamps.csv"
     if not path.exists():
@@ -137,7 +162,7 @@ def read_times(folder):
                 for row in csv.DictReader(stream)}
 
 
-def read_downs(folder):
+def read_downs(folder: str | os.PathLike[str]) -> dict[int, tuple[float, ...]]:
     """The direction of gravity by frame number, of the frames for which timestamps.csv has one."""
     path, names = pathlib.Path(folder) / "timestamps.csv", ("down_x", "down_y", "down_z")
     if not path.exists():
@@ -147,5 +172,5 @@ def read_downs(folder):
                 for row in csv.DictReader(stream) if all(row.get(name) for name in names)}
 
 
-def read_frame(path):
+def read_frame(path: pathlib.Path) -> npt.NDArray[np.uint16]:
     return read_png(path) if path.suffix == ".png" else read_pgm(path)

@@ -4,9 +4,12 @@ IM2FIT_BODY the body file, IM2FIT_CAMERAS_LIBRARY libim2fit-cameras.so, IM2FIT_R
 needs it is left out, with a message)."""
 
 import ctypes
+import importlib.util
 import json
+import math
 import os
 import pathlib
+import pickle
 import re
 import shutil
 import struct
@@ -20,7 +23,7 @@ sys.path.insert(0, os.environ.get("IM2FIT_PYTHON", str(HERE.parent)))
 import numpy as np  # noqa: E402
 
 import im2fit  # noqa: E402
-from im2fit import _c, _folder  # noqa: E402
+from im2fit import _c, _camera, _folder  # noqa: E402
 
 GOLDEN = pathlib.Path(os.environ.get("IM2FIT_GOLDEN", HERE.parents[2] / "tests/golden/data"))
 INCLUDE = HERE.parents[2] / "capi/include"
@@ -31,38 +34,126 @@ BODY = os.environ.get("IM2FIT_BODY", "")
 FRAMES = {"frames_wanted": 6, "frames_min": 5}  # of the clip's 8
 
 
+# The enumerations of the header, by the part of their names that is the same.
+ENUMERATIONS = {"STATE_": im2fit.State, "GUIDANCE_": im2fit.GuidanceCode, "VIEW_": im2fit.View, "SENSOR_": im2fit.Sensor,
+                "CLOTHING_": im2fit.Clothing, "SEX_": im2fit.Sex, "TAPE_": im2fit.TapeStatus, "FIT_": im2fit.Verdict,
+                "ERROR_": im2fit.Status}
+
+
+def has(*modules):
+    return all(importlib.util.find_spec(module) for module in modules)
+
+
 def models(body=None):
     return im2fit.Models(body=body or BODY, tracker=str(GOLDEN / "tracker.i2t"), index=str(GOLDEN / "index.i2f"))
 
 
 class Layout(unittest.TestCase):
-    def test_structs_are_the_headers(self):
+    def printed(self, lines):
+        """What a C program with these statements prints."""
         compiler = shutil.which("cc")
         self.assertTrue(compiler, "needs a C compiler")
-        lines = ["#include <stddef.h>", "#include <stdio.h>", "#include <im2fit/cameras.h>", "int main(void) {"]
-        for name, struct in _c.STRUCTS.items():
-            lines.append(f'  printf("{name} %zu\\n", sizeof({name}));')
-            for field in struct._fields_:
-                lines.append(f'  printf("{name}.{field[0]} %zu\\n", offsetof({name}, {field[0]}));')
-        lines.append("  return 0;\n}")
+        lines = ["#include <stddef.h>", "#include <stdio.h>", "#include <im2fit/cameras.h>", "int main(void) {", *lines,
+                 "  return 0;\n}"]
         with tempfile.TemporaryDirectory() as folder:
             source = pathlib.Path(folder) / "layout.c"
             source.write_text("\n".join(lines))
             program = pathlib.Path(folder) / "layout"
             subprocess.run([compiler, "-I", str(INCLUDE), str(source), "-o", str(program)], check=True)
             output = subprocess.run([str(program)], check=True, capture_output=True, text=True).stdout
-        expected = []
+        return output.split("\n")[:-1]
+
+    def test_structs_are_the_headers(self):
+        lines, expected = [], []
         for name, struct in _c.STRUCTS.items():
+            lines.append(f'  printf("{name} %zu\\n", sizeof({name}));')
             expected.append(f"{name} {ctypes.sizeof(struct)}")
-            expected += [f"{name}.{field[0]} {getattr(struct, field[0]).offset}" for field in struct._fields_]
-        self.assertEqual(output.split("\n")[:-1], expected)
+            for field in struct._fields_:
+                lines.append(f'  printf("{name}.{field[0]} %zu\\n", offsetof({name}, {field[0]}));')
+                expected.append(f"{name}.{field[0]} {getattr(struct, field[0]).offset}")
+        self.assertEqual(self.printed(lines), expected)
+
+    def test_enumerations_are_the_headers(self):
+        text = re.sub(r"/\*.*?\*/", "", HEADER.read_text(), flags=re.S)
+        names = re.findall(r"\bIM2FIT_(\w+)", " ".join(re.findall(r"\benum \{(.*?)\}", text, re.S)))
+        numbers = {"OK": im2fit.Status.OK, "FORMAT_U16": _c.FORMAT_U16, "FORMAT_DEPTH16": _c.FORMAT_DEPTH16,
+                   "FORMAT_F32": _c.FORMAT_F32, **{f"AVATAR_{kind.upper()}": number for kind, number in _c.AVATAR_FORMATS.items()}}
+        for prefix, kind in ENUMERATIONS.items():
+            members = {member.name for member in kind} - {"OK"}
+            self.assertEqual(members, {name[len(prefix):] for name in names if name.startswith(prefix)}, f"IM2FIT_{prefix}")
+            numbers.update({prefix + name: kind[name] for name in members})
+        self.assertEqual(self.printed([f'  printf("{name} %d\\n", (int)IM2FIT_{name});' for name in numbers]),
+                         [f"{name} {int(number)}" for name, number in numbers.items()])
+
+    def test_names_are_the_librarys(self):
+        lib = im2fit._lib()
+        for state in im2fit.State:
+            self.assertEqual(lib.im2fit_state_name(state).decode(), f"{state}")
+        for code in im2fit.GuidanceCode:  # Person.guidance finds the codes of result.json by these names
+            self.assertEqual(lib.im2fit_guidance_name(code.value.bit_length() - 1).decode(), str(code))
+        for verdict in im2fit.Verdict:
+            self.assertEqual(lib.im2fit_fit_name(verdict).decode().upper(), verdict.name)
+        for status in im2fit.Status:
+            self.assertEqual(im2fit.Error(status, "").name.upper(), "OK" if status == 0 else status.name)
+        self.assertEqual(repr(im2fit.Sex.WOMAN), "Sex.WOMAN")
+        self.assertEqual((int(im2fit.State(99)), str(im2fit.State(99))), (99, "NUMBER_99"))  # of a newer library
+        with self.assertRaisesRegex(ValueError, "woman"):
+            im2fit.Sex("woman")
+        self.assertEqual(im2fit.joint_names(), "HE NE TO LS RS LE RE LA RA LH RH LK RK LF RF".split())
+        self.assertEqual(im2fit.tape_names()["thigh_girth"], "Thigh girth")
+        self.assertEqual(list(im2fit.tape_names("de")), list(im2fit.tape_names()))
+        with self.assertRaisesRegex(ValueError, "'tlh': expected en"):
+            im2fit.tape_names("tlh")
+
+    def test_settings_are_the_headers(self):
+        whole = {name for name, kind in _c.Settings._fields_ if kind is ctypes.c_int32}
+        self.assertEqual(set(im2fit.Settings.__annotations__), whole - {"width", "height"})  # arguments of their own
 
     def test_the_library_is_the_headers(self):
         numbers = re.findall(r"#define IM2FIT_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)", HEADER.read_text())
         self.assertEqual(im2fit.version(), ".".join(numbers))
+        self.assertEqual(im2fit.__version__, ".".join(numbers))
+
+
+class Poses(unittest.TestCase):
+    def test_a_matrix_is_seven_numbers(self):
+        def matrix_of(x, y, z, w):
+            return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                             [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+        random = np.random.default_rng(57)
+        # Half turns too, where three of the four squares vanish.
+        for turn in (*np.eye(4), *random.normal(size=(200, 4))):
+            turn = turn / np.linalg.norm(turn)
+            pose = np.eye(4)
+            pose[:3, :3], pose[:3, 3] = matrix_of(*turn), (0.1, -2, 3)
+            found = np.array(_camera.pose_of(pose))
+            np.testing.assert_allclose(found[:4] * np.sign(found[:4] @ turn), turn, atol=1e-12)
+            np.testing.assert_allclose(found[4:], (100, -2000, 3000))  # mm
+            self.assertEqual(_camera.pose_of(pose.tolist()), list(found))
+        self.assertEqual(_camera.pose_of((1, 2, 3, 4, 5, 6, 7)), [1, 2, 3, 4, 5, 6, 7])
+
+    def test_what_is_no_pose_is_named(self):
+        mirrored, scaled, sheared = np.diag([1, 1, -1, 1]), np.diag([2, 2, 2, 1]), np.eye(4)
+        sheared[3] = (0, 0, 1, 0)
+        for bad in (mirrored, scaled, sheared, np.full((4, 4), np.nan)):
+            with self.assertRaisesRegex(ValueError, "no rigid motion"):
+                _camera.pose_of(bad)
+        with self.assertRaisesRegex(ValueError, r"\(3, 4\), expected a 4x4"):
+            _camera.pose_of(np.eye(4)[:3])
 
 
 class Folder(unittest.TestCase):
+    def test_a_folder_is_a_camera_and_frames(self):
+        folder = im2fit.read_folder(GOLDEN / "clip")
+        self.assertEqual(folder.camera, _folder.read_camera(GOLDEN / "clip/camera.yaml"))
+        frames = list(folder)
+        self.assertEqual([frame.sequence for frame in frames], [number for number, _ in _folder.frames_of(GOLDEN / "clip")])
+        self.assertEqual(len(frames), len(folder))
+        for frame in frames:
+            self.assertEqual((frame.depth.shape, frame.depth.dtype), ((folder.camera.height, folder.camera.width), np.uint16))
+        self.assertEqual(sorted(frame.time_ns for frame in frames), [frame.time_ns for frame in frames])
+
     def test_png_is_read_the_same_without_pillow(self):
         if _folder.Image is None:
             self.skipTest("no Pillow to compare with")
@@ -124,7 +215,10 @@ class Cameras(unittest.TestCase):
                     self.assertIsNone(session.pump())
                 person = session.finish()
                 self.assertTrue(person.measured, person.guidance)
-                self.assertIsNone(person.avatar())
+                self.assertEqual(person.tape(), {})
+                self.assertGreater(len(person.sizes), 3)
+                with self.assertRaisesRegex(im2fit.Error, "body"):
+                    person.avatar()
                 texts.append(person.result["measurements"])
                 joints.append(session.joints().tobytes())
         self.assertEqual(texts[0], texts[2])
@@ -176,6 +270,13 @@ class Errors(unittest.TestCase):
         self.assertIn(caught.exception.name, ("not_found", "io"))
         with self.assertRaises(TypeError):
             im2fit.Session(320, 240, 288, 288, 160, 120, models=models("b"), colour=1)
+        with self.assertRaisesRegex(TypeError, "sensor is 'time_of_flight', expected one of im2fit.Sensor"):
+            im2fit.Session(320, 240, 288, 288, 160, 120, models=models("b"), sensor="time_of_flight")
+        for missing in ("/nonexistent/folder", "nonexistent.oni"):
+            with self.assertRaisesRegex(FileNotFoundError, f"{missing} does not exist"):
+                im2fit.measure(missing, models=models("b"))
+        with self.assertRaisesRegex(ValueError, "kind 'fbx': expected one of glb, obj, bvh"):
+            im2fit.measure(GOLDEN / "clip", models=models("b"), avatars=("fbx",))
         with self.assertRaises(ValueError):
             im2fit.Session(320, 240, 288, 288, 160, 120, rotate_deg=45, models=models("b"))
 
@@ -190,12 +291,19 @@ class Errors(unittest.TestCase):
         finally:
             os.environ.clear()
             os.environ.update(kept)
+        with tempfile.TemporaryDirectory() as folder:  # a directory that is given: neither another nor the environment
+            with self.assertRaisesRegex(FileNotFoundError, f"{folder}: expected body.i2b, tracker.i2t, .* --to {folder}"):
+                im2fit.measure(GOLDEN / "clip", models=folder)
+            pack = pathlib.Path(folder) / "models.i2p"
+            pack.write_bytes(b"")
+            with self.assertRaisesRegex(FileNotFoundError, "is a file, expected a directory .* im2fit models install"):
+                im2fit.measure(GOLDEN / "clip", models=pack)
 
 
 @unittest.skipUnless(BODY and pathlib.Path(BODY).exists(), "IM2FIT_BODY names no body file")
 class Measuring(unittest.TestCase):
     def test_a_folder_is_measured(self):
-        person = im2fit.measure(GOLDEN / "clip", models=models(), **FRAMES)
+        person = im2fit.measure(GOLDEN / "clip", models=models(), avatars=("glb", "obj", "bvh"), **FRAMES)
         self.assertTrue(person.measured, person.guidance)
         golden = json.loads((GOLDEN / "result.json").read_text())
         for key in ("stature", "inside_leg"):  # lengths of the golden result, made without a body: the same person
@@ -210,6 +318,133 @@ class Measuring(unittest.TestCase):
         if CAMERAS and RECORDING:
             recorded = im2fit.measure(RECORDING, models=models(), **FRAMES)
             self.assertEqual(recorded.measurements, person.measurements)
+
+    def test_an_avatar_is_made_when_asked(self):
+        folder = im2fit.read_folder(GOLDEN / "clip")
+        with im2fit.Session(**vars(folder.camera), models=models(), **FRAMES) as session:
+            for frame in folder:
+                session.push(**vars(frame))
+            person = session.finish()
+            self.assertEqual(person._avatars, {})
+            self.assertEqual(person.avatar("bvh")[:9], b"HIERARCHY")
+            self.assertIs(person.avatar("bvh"), person.avatar("bvh"))
+            with self.assertRaisesRegex(ValueError, "kind 'fbx'"):
+                person.avatar("fbx")
+            # Other facts make another avatar, which is not that of this result.
+            session.set_known(weight_kg=person.measurements["weight"].value + 3, weight_sd_kg=0.7)
+            self.assertEqual(person.avatar("bvh")[:9], b"HIERARCHY")  # made before
+            with self.assertRaisesRegex(ValueError, r"gone on.*avatars=\('glb',\)"):
+                person.avatar("glb")
+            corrected = session.finish()
+            self.assertNotEqual(corrected.avatar("bvh"), person.avatar("bvh"))
+        with self.assertRaisesRegex(ValueError, "has ended"):
+            corrected.avatar("glb")
+        copy = pickle.loads(pickle.dumps(corrected))  # to another process
+        self.assertEqual((copy.json, copy.sizes, copy.avatar("bvh")),
+                         (corrected.json, corrected.sizes, corrected.avatar("bvh")))
+        with self.assertRaisesRegex(ValueError, "has ended"):
+            copy.avatar("glb")
+
+    def test_the_tape_and_the_sizes_are_the_results(self):
+        person = im2fit.measure(GOLDEN / "clip", models=models(), **FRAMES)
+        tape = person.tape()
+        self.assertEqual(list(tape), list(im2fit.tape_names()))
+        for key, value in tape.items():
+            entry = person.result["tape"].get(key)
+            if value.status is not im2fit.TapeStatus.MEASURED:
+                self.assertTrue(math.isnan(value.value) and value.reason and not (entry and entry["value"]), key)
+                continue
+            self.assertAlmostEqual(value.value, entry["value"], delta=0.06)  # result.json has tenths
+            self.assertTrue(value.low < value.value < value.high and not value.reason, key)
+            self.assertEqual(value.unit, entry["unit"])
+            self.assertEqual(f"ISO 8559-1:2017 {value.iso}" if value.iso else None, entry["iso"])
+        self.assertIs(tape["head_girth"].status, im2fit.TapeStatus.REFUSED)
+        self.assertIn(person.size, person.sizes)
+        self.assertEqual(max(person.sizes, key=person.sizes.get), person.size)
+        self.assertAlmostEqual(sum(person.sizes.values()), 1, places=5)
+        for size, probability in person.result["size"]["probabilities"].items():
+            self.assertAlmostEqual(person.sizes[size], probability, delta=6e-5)
+
+    def test_what_is_known_is_used_or_doubted(self):
+        folder = im2fit.read_folder(GOLDEN / "clip")
+        with im2fit.Session(**vars(folder.camera), models=models(), **FRAMES) as session:
+            for frame in folder:
+                session.push(**vars(frame))
+            seen = session.finish()
+            weight = seen.measurements["weight"].value
+            session.set_known(weight_kg=weight + 2, weight_sd_kg=0.7, sex=im2fit.Sex.MAN)
+            known = session.finish()
+            self.assertEqual((known.doubted, known.female), ((), 0))
+            self.assertLess(abs(known.measurements["weight"].value - weight - 2), 1)
+            self.assertGreater(known.tape()["waist_girth"].value, seen.tape()["waist_girth"].value)
+            session.set_known(weight_kg=weight + 80, weight_sd_kg=0.7)
+            self.assertEqual(session.finish().doubted, ("weight",))
+            session.set_known()
+            self.assertEqual(session.finish().measurements, seen.measurements)
+            with self.assertRaisesRegex(im2fit.Error, "known weight: expected 15 to 400 kg"):
+                session.set_known(weight_kg=1)
+
+    def test_one_of_the_people_in_view_is_selected(self):
+        folder = im2fit.read_folder(GOLDEN / "clip")
+        with im2fit.Session(**vars(folder.camera), models=models(), single_thread=1, **FRAMES) as session:
+            self.assertEqual(session.users(), [])
+            frames = list(folder)
+            guidance = session.push(**vars(frames[0]))
+            self.assertEqual((guidance.view, guidance.state.name), (im2fit.View.FRONT, str(guidance.state)))
+            [user] = session.users()
+            width, height = folder.camera.height, folder.camera.width  # upright
+            self.assertTrue(0 <= user.left < user.right < width and 0 <= user.top < user.bottom < height, user)
+            self.assertTrue(2000 < user.z < 3000, user)
+            session.select_user(user.id + 7)  # nobody
+            for frame in frames:
+                self.assertEqual(session.push(**vars(frame)).frames_used, 0)
+            session.select_user(session.users()[0].id)
+            for frame in frames:
+                session.push(**vars(frame))
+            self.assertTrue(session.finish().measured)
+            with self.assertRaisesRegex(im2fit.Error, "user id -1: ids are 1 and up"):
+                session.select_user(-1)
+
+    @unittest.skipUnless(has("pandas"), "no pandas (scripts/deps test)")
+    def test_a_person_is_a_table(self):
+        person = im2fit.measure(GOLDEN / "clip", models=models(), **FRAMES)
+        frame = person.to_frame()
+        self.assertEqual((list(frame.columns), frame.index.name), (["value", "low", "high", "unit"], "measurement"))
+        self.assertEqual({key: im2fit.Estimate(*row) for key, row in zip(frame.index, frame.itertuples(index=False))},
+                         person.measurements)
+        tape = person.to_frame(tape=True)
+        self.assertEqual(len(tape), len(person.tape()))
+        self.assertEqual(tape.loc["thigh_girth", "value"], person.tape()["thigh_girth"].value)
+        nobody = im2fit.Person({"state": "SEARCHING", "guidance": []}, "", {}, {}, lambda kind: b"")
+        self.assertEqual((len(nobody.to_frame()), list(nobody.to_frame().columns)), (0, list(frame.columns)))
+
+    @unittest.skipUnless(has("matplotlib"), "no matplotlib (scripts/deps test)")
+    def test_a_person_is_a_picture(self):
+        import matplotlib
+        matplotlib.use("agg")
+        person = im2fit.measure(GOLDEN / "clip", models=models(), **FRAMES)
+        axes = person.plot()
+        shown = [label.get_text() for label in axes.get_yticklabels()]
+        self.assertEqual(shown, [key.replace("_", " ") for key, e in person.measurements.items() if e.unit == "mm"])
+        points = axes.lines[0].get_xdata()
+        self.assertEqual(list(points), [e.value for e in person.measurements.values() if e.unit == "mm"])
+        self.assertIs(person.plot(axes), axes)
+        axes.figure.canvas.draw()
+        nobody = im2fit.Person({"state": "SEARCHING", "guidance": []}, "", {}, {}, lambda kind: b"")
+        nobody.plot().figure.canvas.draw()
+
+    def test_optional_packages_are_named(self):
+        nobody = im2fit.Person({"state": "SEARCHING", "guidance": []}, "", {}, {}, lambda kind: b"")
+        for module, call in (("pandas", nobody.to_frame), ("matplotlib.pyplot", nobody.plot)):
+            kept = sys.modules.get(module)
+            sys.modules[module] = None  # as if it were not installed
+            try:
+                with self.assertRaisesRegex(ImportError, f"needs {module.split('.')[0]}: install python3-"):
+                    call()
+            finally:
+                del sys.modules[module]
+                if kept:
+                    sys.modules[module] = kept
 
     def test_metres_are_millimetres_and_the_mesh_is_the_person(self):
         camera = _folder.read_camera(GOLDEN / "clip/camera.yaml")
@@ -249,7 +484,7 @@ class Measuring(unittest.TestCase):
             self.assertIn(fit.best, fit.sizes)
             ease, verdict = fit.sizes[fit.best]["chest"]
             self.assertTrue(ease.low < ease.value < ease.high)
-            self.assertIn(verdict, ("tight", "snug", "good", "loose"))
+            self.assertIsInstance(verdict, im2fit.Verdict)
             eases = [places["chest"][0].value for places in fit.sizes.values()]
             self.assertEqual(eases, sorted(eases))
             self.assertEqual(session.dressed_avatar("t_shirt"), session.dressed_avatar(("t_shirt", fit.best)))
@@ -267,7 +502,8 @@ class Measuring(unittest.TestCase):
         camera = _folder.read_camera(GOLDEN / "clip/camera.yaml")
         words = (camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, camera.rotate_deg)
         texts = []
-        for turned in (None, (0, 0, 0, 1, 0, 0, 0), (0.5, -0.5, 0.5, 0.5, 100, 200, 300)):
+        matrix = np.array([[0, -1, 0, 0.1], [0, 0, -1, 0.2], [1, 0, 0, 0.3], [0, 0, 0, 1]])
+        for turned in (None, (0, 0, 0, 1, 0, 0, 0), (0.5, -0.5, 0.5, 0.5, 100, 200, 300), matrix):
             with im2fit.Session(*words, models=models(), **FRAMES) as session:
                 for number, path in _folder.frames_of(GOLDEN / "clip"):
                     session.push(_folder.read_frame(path), sequence=number, pose=turned)
@@ -276,6 +512,7 @@ class Measuring(unittest.TestCase):
                     session.push(_folder.read_frame(path), pose=(1, 1, 1, 1, 0, 0, 0))
         self.assertEqual(texts[0], texts[1])  # a camera at rest, wherever it is
         self.assertEqual(texts[0], texts[2])
+        self.assertEqual(texts[0], texts[3])
 
     def test_gravity_is_used_where_no_floor_is_seen(self):
         camera = _folder.read_camera(GOLDEN / "clip/camera.yaml")
@@ -339,11 +576,72 @@ class Measuring(unittest.TestCase):
                 guidance = session.push(np.zeros((240, 320), np.uint16))
             self.assertFalse(guidance.measured)
             person = session.finish()
+            self.assertIn(im2fit.GuidanceCode.NO_PERSON, session.poll().codes)
         self.assertFalse(person.measured)
-        self.assertIn("NO_PERSON", person.guidance)
-        self.assertIsNone(person.avatar())
+        self.assertIn(im2fit.GuidanceCode.NO_PERSON, person.guidance)
+        self.assertEqual((person.tape(), person.sizes), ({}, {}))
+        with self.assertRaisesRegex(ValueError, "no avatar: .*NO_PERSON"):
+            person.avatar()
         with self.assertRaisesRegex(ValueError, "closed"):
             session.poll()
+
+
+class Typed(unittest.TestCase):
+    @unittest.skipUnless(has("mypy"), "no mypy (scripts/deps test)")
+    def test_the_package_and_the_recipes_are_typed(self):
+        recipes = re.findall(r"^## (.*?)\n.*?^```python\n(.*?)^```$", (HERE.parent / "recipes.md").read_text(), re.M | re.S)
+        self.assertGreaterEqual(len(recipes), 5)
+        with tempfile.TemporaryDirectory() as name:
+            folder, places = pathlib.Path(name), []
+            for number, (title, text) in enumerate(recipes):
+                compile(text, title, "exec")
+                places.append(folder / f"recipe_{number}.py")
+                places[-1].write_text(text)
+            # What a user does wrong is found, so types did not fall to Any.
+            wrong = folder / "wrong.py"
+            wrong.write_text("import im2fit\n"
+                             "person = im2fit.measure('FOLDER', 'MODELS', turns=1, sensor=im2fit.Clothing.BARE)\n"
+                             "person.sizes.append(1)\nim2fit.State.TRACKING == 'TRACKING'\n")
+            command = [sys.executable, "-m", "mypy", "--cache-dir", str(folder / "cache"), "--no-error-summary"]
+            done = subprocess.run([*command, "im2fit", *map(str, places)], cwd=HERE.parent, capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stdout + done.stderr), (0, ""))
+            done = subprocess.run([*command, str(wrong)], cwd=HERE.parent, capture_output=True, text=True)
+            for word in ("turns", "sensor", "append", "comparison"):
+                self.assertIn(word, done.stdout)
+            self.assertEqual(done.stdout.count("error:"), 4, done.stdout)
+
+
+@unittest.skipUnless(has("ensurepip"), "no ensurepip (scripts/deps test)")
+class Wheel(unittest.TestCase):
+    def test_the_readme_installs_it(self):
+        # The line of README.md as it stands, where no network can be reached.
+        [line] = re.findall(r"^    (python3 -m venv .*)$", (HERE.parent / "README.md").read_text(), re.M)
+        library = os.environ.get("IM2FIT_LIBRARY")
+        self.assertTrue(library, "IM2FIT_LIBRARY names no library")
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([sys.executable, HERE.parent / "make_wheel.py", library, f"{folder}/build/packages"], check=True,
+                           stdout=subprocess.DEVNULL)
+            nowhere = "http://127.0.0.1:9"
+            environment = {"PATH": "/usr/bin:/bin", "HOME": folder, "LC_ALL": "C.UTF-8", "http_proxy": nowhere,
+                           "https_proxy": nowhere, "PIP_RETRIES": "0"}
+            done = subprocess.run(["sh", "-ec", line], cwd=folder, env=environment, capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, f"{line}\n{done.stdout}{done.stderr}")
+            python = line.split()[-3].replace("/pip", "/python")
+            script = ("import im2fit, importlib.metadata as m, pathlib; p = pathlib.Path(im2fit.__file__).parent\n"
+                      "print(p, im2fit.version(), im2fit.__version__, m.version('im2fit'), (p / 'py.typed').exists())")
+            found = subprocess.run([python, "-c", script], cwd=folder, env=environment, check=True, capture_output=True,
+                                   text=True).stdout.split()
+            self.assertTrue(found[0].startswith(folder), found)
+            self.assertEqual(found[1:], [im2fit.__version__] * 3 + ["True"])
+            if BODY:
+                place = pathlib.Path(folder) / "models"
+                place.mkdir()
+                for name, file in (("body.i2b", pathlib.Path(BODY)), *((n, GOLDEN / n) for n in ("tracker.i2t", "index.i2f"))):
+                    (place / name).symlink_to(file.resolve())
+                script = f"import im2fit; print(im2fit.measure({str(GOLDEN / 'clip')!r}, models='models', frames_wanted=6))"
+                answer = subprocess.run([python, "-c", script], cwd=folder, env=environment, check=True, capture_output=True,
+                                        text=True).stdout
+                self.assertRegex(answer, "<im2fit.Person .* mm, .* kg, chest .*>")
 
 
 if __name__ == "__main__":
