@@ -16,7 +16,7 @@
 namespace im2fit {
 namespace {
 
-constexpr std::size_t kViews = 8;  // more change nothing (docs/notebook/fit.md)
+constexpr std::size_t kViews = body::kTurnViewMax;
 constexpr float kApartDeg = 360.0F / kViews;
 
 // Of what a turn measures: mean error, subtracted, and half of the 95 % interval, mm and kg. From people of ansur

@@ -21,7 +21,7 @@
 
 namespace im2fit::body {
 
-inline constexpr std::size_t kTurnViewMax = 16;
+inline constexpr std::size_t kTurnViewMax = 8;  // more change nothing (docs/notebook/fit.md)
 
 // A picture, and about how the person stands in it: axes of the fit (PersonAxes of the front).
 struct TurnView {

@@ -30,7 +30,7 @@ import numpy.typing as npt
 
 from . import _c
 from ._camera import Camera, lens_of, pose_of, upright
-from ._enums import Clothing, GuidanceCode, Sensor, Sex, State, Status, TapeStatus, Verdict, View
+from ._enums import Clothing, GuidanceCode, Sensor, Sex, State, Status, TapeStatus, Turn, Verdict, View
 from ._folder import DepthFolder, DepthFrame
 from ._person import AvatarKind, Estimate, Person, TapeValue, check_avatar_kind, too_late
 
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 __version__ = "1.0.0"
 
 __all__ = ["Camera", "Clothing", "DepthFolder", "DepthFrame", "Error", "Estimate", "GarmentFit", "Guidance", "GuidanceCode",
-           "Models", "Person", "Sensor", "Session", "Settings", "Sex", "State", "Status", "TapeStatus", "TapeValue", "User",
+           "Models", "Person", "Sensor", "Session", "Settings", "Sex", "State", "Status", "TapeStatus", "TapeValue", "Turn", "User",
            "Verdict", "View", "garments", "joint_names", "measure", "read_folder", "rig_nodes", "tape_names", "version"]
 
 StrPath = Union[str, "os.PathLike[str]"]
@@ -107,7 +107,7 @@ def tape_names(language: str = "en") -> dict[str, str]:
 @dataclasses.dataclass(frozen=True)
 class Guidance:
     """The progress of a session. `codes`: what the person or the scene must change now. `view`: the side of the person in the
-    latest frame."""
+    latest frame. `turned_deg`: with Turn.AROUND, how far the person has turned."""
 
     state: State
     codes: tuple[GuidanceCode, ...]
@@ -115,6 +115,7 @@ class Guidance:
     frames_seen: int
     frames_used: int
     view: View
+    turned_deg: float
 
 
 @dataclasses.dataclass(frozen=True)
@@ -153,7 +154,7 @@ class Settings(TypedDict, total=False):
     single_thread: int
     pool_frames: int
     user_id: int
-    turn: int
+    turn: Turn
     clothing: Clothing
     sensor: Sensor
 
@@ -199,7 +200,7 @@ class Session:
     `width, height, fx, fy, cx, cy`: the depth camera, in pixels of frames as they are pushed. `rotate_deg` makes them
     upright. `models`: the folder with the three files, or Models; None: the installed ones (Models.find). `distortion`: of a
     lens that is not yet undone, in OpenCV's order: k1, k2, p1, p2 and optionally k3. Other keywords are those of Settings:
-    turn=1, frames_wanted=30, clothing=Clothing.BARE, sensor=Sensor.TIME_OF_FLIGHT.
+    turn=Turn.AROUND, frames_wanted=30, clothing=Clothing.BARE, sensor=Sensor.TIME_OF_FLIGHT.
 
     One thread at a time may use a session. Raises Error."""
 
@@ -323,7 +324,8 @@ class Session:
         """The Guidance after the latest frame processed."""
         r = self._result()
         codes = tuple(code for code in GuidanceCode if r.guidance & code)
-        return Guidance(State(r.state), codes, bool(r.measured), r.frames_seen, r.frames_used, View(r.view))
+        return Guidance(State(r.state), codes, bool(r.measured), r.frames_seen, r.frames_used, View(r.view),
+                        r.turned_deg)
 
     def joints(self) -> npt.NDArray[np.float32] | None:
         """15 x 4: x, y, z (mm, camera axes) and confidence of each joint (joint_names()); None without a person."""

@@ -77,6 +77,8 @@ class GuidanceCode(_Number):
     CALIBRATION_POSE = 1 << 12
     TURN_ROUND = 1 << 13
     CLOTHED = 1 << 14
+    TURN_ON = 1 << 15
+    TURN_SLOWER = 1 << 16
 
 
 class View(_Number):
@@ -86,6 +88,14 @@ class View(_Number):
     FRONT = 1
     BACK = 2
     SIDE = 3
+
+
+class Turn(_Number):
+    """What is measured besides the front. AROUND, one slow turn on the spot, is the most accurate."""
+
+    NONE = 0
+    BACK = 1
+    AROUND = 2
 
 
 class Sensor(_Number):

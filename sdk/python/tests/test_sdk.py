@@ -37,7 +37,7 @@ FRAMES = {"frames_wanted": 6, "frames_min": 5}  # of the clip's 8
 # The enumerations of the header, by the part of their names that is the same.
 ENUMERATIONS = {"STATE_": im2fit.State, "GUIDANCE_": im2fit.GuidanceCode, "VIEW_": im2fit.View, "SENSOR_": im2fit.Sensor,
                 "CLOTHING_": im2fit.Clothing, "SEX_": im2fit.Sex, "TAPE_": im2fit.TapeStatus, "FIT_": im2fit.Verdict,
-                "ERROR_": im2fit.Status}
+                "ERROR_": im2fit.Status, "TURN_": im2fit.Turn}
 
 
 def has(*modules):
