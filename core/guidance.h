@@ -32,9 +32,9 @@ enum class Guidance : std::uint32_t {
 inline constexpr int kTooFarMm = 4000;  // people further away than this are too_far
 inline constexpr std::size_t kGuidanceCount = 17;
 inline constexpr std::array<std::string_view, kGuidanceCount> kGuidanceNames = {
-    "NO_PERSON",   "TOO_NEAR",         "TOO_FAR",    "FEET_CUT",       "HEAD_CUT",  "ARMS_CLOSE",
-    "NOT_FRONTAL", "NOT_UPRIGHT",      "MOVING",     "SEVERAL_PEOPLE", "TOO_NOISY", "SIDE_CUT",
-    "CALIBRATION_POSE", "TURN_ROUND", "CLOTHED",    "TURN_ON",        "TURN_SLOWER"};
+    "NO_PERSON",        "TOO_NEAR",    "TOO_FAR", "FEET_CUT",       "HEAD_CUT",   "ARMS_CLOSE",
+    "NOT_FRONTAL",      "NOT_UPRIGHT", "MOVING",  "SEVERAL_PEOPLE", "TOO_NOISY",  "SIDE_CUT",
+    "CALIBRATION_POSE", "TURN_ROUND",  "CLOTHED", "TURN_ON",        "TURN_SLOWER"};
 using GuidanceSet = std::uint32_t;  // Guidance values or-ed
 constexpr GuidanceSet operator|(Guidance a, Guidance b) {
   return static_cast<GuidanceSet>(a) | static_cast<GuidanceSet>(b);

@@ -8,9 +8,9 @@
 //   attempts_max times. MEASURED ends the session.
 //
 // TURNING, around: the front is measured, the guidance is TURN_ON, or TURN_SLOWER where pictures of the turn are too
-// far apart, and ten frames a second are pictures of the turn. It ends in MEASURED when the turn is whole, when it has
-// not gone on for turn_wait_periods_max, when the person left, or at the end of the stream. Less than half a turn is
-// left out: the front alone is the answer then.
+// far apart, and ten frames a second are pictures of the turn. It ends in MEASURED when the turn is whole, when it
+// has not gone on for turn_wait_periods_max, when the person left, or at the end of the stream. Less than half a turn
+// is left out: the front alone is the answer then.
 //
 // TURNING, back: the front is measured, the guidance is TURN_ROUND, and the back is accumulated. It ends in MEASURED
 // whatever the person does: with both sides when frames_wanted frames of the back are accumulated, or frames_min of
@@ -47,11 +47,11 @@ struct SessionRules {
   // hands tremble by 180.
   float body_speed_max_mm_s = 60;
   float limb_speed_max_mm_s = 300;
-  float body_speed_plain_mm_s = 150;  // movement that is reported beside other guidance
-  float turn_whole_deg = 330;       // people leave out the end
-  float turn_progress_deg = 10;     // less is no progress: a person who stands sways
+  float body_speed_plain_mm_s = 150;    // movement that is reported beside other guidance
+  float turn_whole_deg = 330;           // people leave out the end
+  float turn_progress_deg = 10;         // less is no progress: a person who stands sways
   float turn_slower_deg = 200.0F / 30;  // a period; follow() needs pictures at most 25 degrees apart, 10 a second
-  int attempts_max = 8;  // beginnings after the first, by loss or by a pose that changed
+  int attempts_max = 8;                 // beginnings after the first, by loss or by a pose that changed
 };
 
 struct Session {
@@ -68,8 +68,8 @@ struct Session {
   float turned_deg = 0;     // the same: as followed last, so many periods ago
   int unfollowed_periods = 0;
   bool turns_fast = false;
-  int user = 0;             // the user of the latest frame that counted, in FIT's time; 0 before USER_FOUND
-  ArmsMemory arms;          // of that user, since USER_FOUND; in TURNING: since the back was seen
+  int user = 0;     // the user of the latest frame that counted, in FIT's time; 0 before USER_FOUND
+  ArmsMemory arms;  // of that user, since USER_FOUND; in TURNING: since the back was seen
 };
 
 // The part of a Detection the session uses.

@@ -38,8 +38,9 @@ constexpr std::array<Spread, kMeasurementCount> kSpreads = {{
     {0.5F, 2.3F},  // weight
 }};
 
-// The heights of nipples, navel and buttocks of people of one stature, mm: standard deviations of ANSUR II (the larger
-// of women and men). The surface says little about them, so a girth that changes with height is uncertain by as much.
+// The heights of nipples, navel and buttocks of people of one stature, mm: standard deviations of ANSUR II (the
+// larger of women and men). The surface says little about them, so a girth that changes with height is uncertain by
+// as much.
 constexpr float kChestHeightSdMm = 22, kWaistHeightSdMm = 22, kHipHeightSdMm = 28;
 constexpr float kOf95 = 1.96F;
 

@@ -25,9 +25,9 @@ struct InputOptions {
   std::string body = default_body_path();  // of the synthetic person, too
   Turn turn = Turn::none;                  // of the synthetic person, who stands for so many frames first
   int turn_after_frames = 0;
-  bool clothed = false;                    // the synthetic person
-  std::string truth_path;                  // "": truth.json in the folder, NAME.truth.json beside NAME.oni
-  int reconnect_s = 0;                     // a camera that went away is waited for so long; -1: for ever
+  bool clothed = false;    // the synthetic person
+  std::string truth_path;  // "": truth.json in the folder, NAME.truth.json beside NAME.oni
+  int reconnect_s = 0;     // a camera that went away is waited for so long; -1: for ever
   // Called when the camera went away or came back; unset: a line on stderr.
   std::function<void(const hal::ReconnectStats&, const hal::SourceInfo&)> camera_changed;
 };

@@ -294,9 +294,10 @@ std::vector<std::string> session_notes(const SessionOutcome& outcome) {
   if (result.turn == Turn::around && result.views == AnswerViews::front)
     notes.push_back(
         turned < kTurnEnoughDeg
-            ? fmt::format("measured from the front alone: the person turned by {:.0f} degrees, {:.0f} are needed", turned,
-                          kTurnEnoughDeg)
-            : "measured from the front alone: a person in clothes is not measured all round, or the turn could not be "
+            ? fmt::format("measured from the front alone: the person turned by {:.0f} degrees, {:.0f} are needed",
+                          turned, kTurnEnoughDeg)
+            : "measured from the front alone: a person in clothes is not measured all round, or the turn could not "
+              "be "
               "fitted");
   return notes;
 }

@@ -28,7 +28,8 @@ void add_session_options(cli::App& sub, SessionOptions& options) {
       ->type_name("DIR");
   sub.add_option("--tracker", options.tracker, "Tracker file")->type_name("FILE")->capture_default_str();
   sub.add_option("--index", options.index, "Index file")->type_name("FILE")->capture_default_str();
-  sub.add_option("--frames", options.frames, "Good frames for a measurement; with --turn, of each side; with --around, of the front")
+  sub.add_option("--frames", options.frames,
+                 "Good frames for a measurement; with --turn, of each side; with --around, of the front")
       ->range(1, 1000)
       ->capture_default_str();
   sub.add_option("--calibration", options.calibration, "Pose requested first: none, or psi as in the paper")

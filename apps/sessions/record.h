@@ -71,8 +71,8 @@ struct Versions {
 
 // How it was measured, as `im2fit measure` takes it: so that the recording can be measured the same way again.
 struct Settings {
-  int frames = 0;  // good ones behind the answer, of each side; 0: not known
-  std::string turn = "none";  // or another of kTurnNames
+  int frames = 0;                             // good ones behind the answer, of each side; 0: not known
+  std::string turn = "none";                  // or another of kTurnNames
   std::string calibration, clothing, sensor;  // "": not known
 };
 

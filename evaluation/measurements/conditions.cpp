@@ -93,7 +93,7 @@ constexpr std::array<Word, 41> kWords = {{
      [](EvaluationOptions& o) { o.known = KnownOf::all; }},
     {"20kg-off", "the weight reported is wrong by 20 kg", false,
      [](EvaluationOptions& o) { o.known_weight_off_kg = 20; }},
-    {"around", "the front, then one turn on the spot, arms held off the body", false,
+    {"around", "the front, then one turn on the spot, arms held off the body", true,
      [](EvaluationOptions& o) {
        o.views = Views::around;
        o.pose = StandingPose::arms_out;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rendered people measured by the programs: one who turns round, with and without --turn; one who steps round once; one
-// in clothes, with
+// Rendered people measured by the programs: one who turns round, with and without --turn; one who steps round once;
+// one in clothes, with
 // --clothing, without it, and with a wrong value.
 #include "measured_clip.h"
 
@@ -63,9 +63,7 @@ TEST_F(TurnRound, LiveAsksForItAndTellsTheStates) {
 
 class StepsRound : public test::MeasuredClip {
  protected:
-  static void SetUpTestSuite() {
-    render({"--frames", "330", "--step-round-after", "30", "--pose", "arms_out"});
-  }
+  static void SetUpTestSuite() { render({"--frames", "330", "--step-round-after", "30", "--pose", "arms_out"}); }
 };
 
 // 30 mm: a third of what a front leaves open. How well it measures: docs/evaluation-results.md.
@@ -106,9 +104,9 @@ TEST_F(StepsRound, WhoTurnsTooLittleIsMeasuredFromTheFrontAndToldSo) {
     std::filesystem::create_directories(std::filesystem::path(part.path(name.string())).parent_path());
     std::filesystem::copy_file(file.path(), part.path(name.string()));
   }
-  const test::Run run = test::run_program({test::kProgram, "measure", part.path(""), "--around", "--json", "--frames",
-                                           "12", "--body", test::body_path(), "--tracker", test::tracker_path(),
-                                           "--index", test::index_path()});
+  const test::Run run =
+      test::run_program({test::kProgram, "measure", part.path(""), "--around", "--json", "--frames", "12", "--body",
+                         test::body_path(), "--tracker", test::tracker_path(), "--index", test::index_path()});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto result = nlohmann::json::parse(run.out, nullptr, false);
   EXPECT_EQ(result["views"], "front");

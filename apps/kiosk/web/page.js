@@ -85,6 +85,7 @@ function show() {
   const counts = code === 'HOLD' && share() < 1;
   const turning = seen.state === 'TURNING' && seen.turned !== null && document.body.dataset.stage === 'measure';
   document.body.dataset.turning = String(turning);
+  at('count').style.setProperty('--turned', turning ? share() : 0);
   at('count').textContent =
     turning ? `${seen.turned}°` : counts ? String(Math.max(1, Math.ceil(3 * (1 - share())))) : '';
   sounds.say(code);

@@ -136,6 +136,13 @@ void Screens::through_all_states(const std::function<void(const std::string& cod
     page->state("TRACKING", {"ARMS_CLOSE", "MOVING"}, {{"arms_close", {side}}});
     at(code);
   }
+  page->state("TURNING", {"TURN_ON"});
+  at("TURN_ON");
+  for (const int deg : {80, 100}) {
+    page->page().publish({{"event", "frame"}, {"frames_used", 40}, {"frames_back", 10}, {"turned_deg", deg}});
+    EXPECT_TRUE(browser_->wait_for("return at('count').textContent === '" + std::to_string(deg) + "°'"));
+  }
+  EXPECT_EQ(browser_->run("return String(sounds.played.includes('QUARTER'))"), "true");
   page->state("TRACKING", {});
   at("HOLD");
   page->page().publish({{"event", "camera"}, {"state", "LOST"}});
