@@ -137,7 +137,7 @@ TEST_F(SessionStore, ListsTheOldestFirstAndDamagedOnesWithWhatIsWrong) {
   ASSERT_TRUE(all) << all.error().message;
   ASSERT_THAT(*all, SizeIs(4));
   EXPECT_EQ((*all)[0].id, "damaged");
-  EXPECT_THAT((*all)[0].damage, HasSubstr("damaged/session.json: not a JSON object"));
+  EXPECT_THAT((*all)[0].damage, HasSubstr("damaged/session.json: not JSON"));
   EXPECT_THAT((*all)[1].damage, HasSubstr("expected the folder's name"));
   EXPECT_EQ((*all)[2].id, first);
   EXPECT_EQ((*all)[3].id, second);
