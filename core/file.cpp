@@ -151,7 +151,8 @@ Status make_directory(const std::string& path) {
   std::error_code code;
   std::filesystem::create_directories(path, code);
   if (code) return Error{ErrorCode::io, "cannot make the directory " + path + ": " + code.message()};
-  if (!std::filesystem::is_directory(path)) return Error{ErrorCode::io, path + " exists and is not a directory"};
+  if (!std::filesystem::is_directory(path, code))
+    return Error{ErrorCode::io, path + " exists and is not a directory"};
   if (::access(path.c_str(), W_OK) != 0) return system_error("cannot write into", path);
   return Ok{};
 }

@@ -20,6 +20,15 @@ inline std::string printable(std::string text) {
   return text;
 }
 
+// The same, of a length that a message can bear: a hostile file has a megabyte in one field.
+inline std::string excerpt(const std::string& text) {
+  constexpr std::size_t kBytesMax = 60;
+  if (text.size() <= kBytesMax) return printable(text);
+  std::size_t end = kBytesMax;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // not within a letter
+  return printable(text.substr(0, end)) + "...";
+}
+
 // Letters as people count them: the code points of UTF-8.
 inline std::size_t character_count(const std::string& text) {
   std::size_t count = 0;

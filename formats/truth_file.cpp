@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "core/text.h"
+#include "formats/json_file.h"
 
 namespace im2fit {
 namespace {
@@ -77,18 +79,19 @@ Status write_truth(const Truth& truth, const std::string& path) {
 }
 
 Result<Truth> read_truth(const std::string& path) {
-  const auto bytes = read_file(path, kTruthBytesMax);
-  if (!bytes) return bytes.error();
-  const auto* text = reinterpret_cast<const char*>(bytes->data());
+  const auto read = read_json<Json>(path, kTruthBytesMax);
+  if (!read && read.error().code == ErrorCode::corrupt)
+    return Error{ErrorCode::corrupt, read.error().message + "; render the folder again"};
+  if (!read) return read.error();
+  const Json& json = *read;
   try {
-    const Json json = Json::parse(text, text + bytes->size());
     const auto schema = json.is_object() ? json.find("schema") : json.end();
     if (!json.is_object() || schema == json.end())
       return Error{ErrorCode::unsupported, path + " is not the truth of a rendered person (it has no \"schema\": \"" +
                                                kSchema + "\"); im2fit-lab render writes one"};
     if (*schema != kSchema)
-      return Error{ErrorCode::unsupported, path + ": schema is " + schema->dump() + ", expected \"" + kSchema +
-                                               "\"; render the folder again"};
+      return Error{ErrorCode::unsupported, path + ": schema is " + excerpt(json_text(*schema)) + ", expected \"" +
+                                               kSchema + "\"; render the folder again"};
     return truth_of(json);
   } catch (const Json::exception& error) {
     return Error{ErrorCode::corrupt, path + ": " + error.what() + "; render the folder again"};

@@ -320,9 +320,10 @@ Result<body::CutRegression> parse_cut_regression(const std::string& text, const 
 Result<Wardrobe> read_shipped_wardrobe(const std::string& folder) {
   std::vector<std::string> names;
   std::error_code failed;
-  for (const auto& entry : std::filesystem::directory_iterator(folder + "/garments", failed))
-    if (entry.path().extension() == ".yaml" && entry.path().filename() != "bodies.yaml")
-      names.push_back(entry.path().string());
+  for (std::filesystem::directory_iterator it(folder + "/garments", failed), end; !failed && it != end;
+       it.increment(failed))
+    if (it->path().extension() == ".yaml" && it->path().filename() != "bodies.yaml")
+      names.push_back(it->path().string());
   if (failed) return Error{ErrorCode::io, folder + "/garments: " + failed.message()};
   std::sort(names.begin(), names.end());
   Wardrobe wardrobe;

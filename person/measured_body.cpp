@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/file.h"
+#include "formats/json_file.h"
 #include "person/builtin_tape.h"
 #include "person/person_measurement.h"
 
@@ -55,10 +55,9 @@ void read_tape(const Json& root, MeasuredBody& out) {
 }  // namespace
 
 Result<MeasuredBody> read_measured_body(const std::string& path, const body::BodyModel& model) {
-  const auto bytes = read_file(path);
-  if (!bytes) return bytes.error();
-  const auto* text = reinterpret_cast<const char*>(bytes->data());
-  const Json root = Json::parse(text, text + bytes->size(), nullptr, false);
+  const auto json = read_json<Json>(path);
+  if (!json) return json.error();
+  const Json& root = *json;
   if (!root.is_object() || !root.contains("schema") || root["schema"] != std::string(kResultSchema))
     return Error{ErrorCode::corrupt, path + ": schema is not " + std::string(kResultSchema) +
                                          "; expected the result.json of a measured person"};

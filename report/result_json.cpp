@@ -5,6 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "formats/json_file.h"
+
 namespace im2fit {
 namespace {
 
@@ -394,7 +396,7 @@ std::string result_json(const PersonMeasurement& person, const std::optional<Res
                       {"sequence_gaps", r.sequence_gaps},
                       {"sequence_repeats", r.sequence_repeats},
                       {"time_reversals", r.time_reversals}};
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 }  // namespace im2fit

@@ -3,6 +3,8 @@
 
 #include <fmt/core.h>
 
+#include "formats/json_file.h"
+
 namespace im2fit::apps {
 namespace {
 
@@ -35,7 +37,7 @@ Json left_event(std::uint64_t frame, int person) {
 
 Json measured_event(std::uint64_t frame, int person, const PersonMeasurement& measurement) {
   Json event = {{"event", "measured"}, {"frame", frame}, {"person", person}};
-  event["result"] = Json::parse(result_json(measurement));
+  event["result"] = *parse_json<Json>(result_json(measurement), "result.json");
   return event;
 }
 
@@ -68,7 +70,7 @@ std::string camera_words(const hal::ReconnectStats& stats, const hal::SourceInfo
 }
 
 std::string line_of(const Json& event) {
-  return event.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(event) + "\n";
 }
 
 }  // namespace im2fit::apps

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "apps/common/events.h"
+#include "formats/json_file.h"
 
 namespace im2fit::apps {
 namespace {
@@ -36,8 +37,9 @@ Result<bool> word_field(const std::string& name, const Json& field, const char* 
 }  // namespace
 
 Result<KnownFacts> facts_of_form(std::string_view body) {
-  const Json form = Json::parse(body, nullptr, false);
-  if (!form.is_object()) return bad_form("expected a JSON object");
+  const auto read = parse_json<Json>(body, "the form");
+  if (!read || !read->is_object()) return bad_form("expected a JSON object");
+  const Json& form = *read;
   KnownFacts facts;
   bool of_scale = false, has_origin = false;
   for (const auto& [name, field] : form.items()) {

@@ -140,11 +140,11 @@ class DownloadsLock {
 
 // What a fetch that was killed has left: 240 MB at worst. Only while no other one is at work.
 void remove_scratch_left(const std::string& downloads) {
-  std::error_code code;
-  for (const auto& entry : std::filesystem::directory_iterator(downloads, code))
-    if (const std::string name = entry.path().filename().string();
-        name.size() == kScratchPrefix.size() + 6 && name.rfind(kScratchPrefix, 0) == 0 && entry.is_directory(code))
-      std::filesystem::remove_all(entry.path(), code);
+  std::error_code code, left;
+  for (std::filesystem::directory_iterator it(downloads, code), end; !code && it != end; it.increment(code))
+    if (const std::string name = it->path().filename().string();
+        name.size() == kScratchPrefix.size() + 6 && name.rfind(kScratchPrefix, 0) == 0 && it->is_directory(left))
+      std::filesystem::remove_all(it->path(), left);
 }
 
 // A directory that is gone when its owner is.

@@ -11,6 +11,7 @@
 #include "apps/common/progress.h"
 #include "core/crc32c.h"
 #include "core/file.h"
+#include "formats/json_file.h"
 #include "train/common/parallel.h"
 
 #ifdef __GLIBC__
@@ -152,10 +153,9 @@ Result<lab::DatasetReport> read_samples(const std::vector<std::string>& folders,
 
 Result<SampleOptions> noted_samples(const std::string& work_dir) {
   const std::string path = note_path(work_dir);
-  const auto bytes = read_file(path);
-  if (!bytes) return bytes.error();
-  const auto* text = reinterpret_cast<const char*>(bytes->data());
-  const auto json = nlohmann::json::parse(text, text + bytes->size(), nullptr, false);
+  const auto read = read_json(path);
+  if (!read) return read.error();
+  const nlohmann::json& json = *read;
   if (!json.is_object() || !json.contains("subjects") || !json.contains("captures") || !json.contains("seed"))
     return Error{ErrorCode::corrupt,
                  path + ": expected subjects, captures and seed; make the samples again with im2fit-lab dataset"};

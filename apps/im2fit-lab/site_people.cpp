@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <set>
 
-#include "core/file.h"
+#include "core/text.h"
+#include "formats/json_file.h"
 
 namespace im2fit::apps {
 namespace {
@@ -27,32 +27,41 @@ lab::TapeReadings readings_of(const sessions::PersonTruth& truth, std::size_t m)
   return readings;
 }
 
-std::optional<index::IntervalEstimate> estimate_in(const json& values, const std::string& id) {
-  if (!values.contains(id) || !values[id].at("value").is_number()) return std::nullopt;
+// "" or what is wrong with the answer of measurement `m`. One absurd number would outweigh all people of a study.
+std::string read_estimate(const json& values, std::size_t m, index::IntervalEstimate& estimate) {
+  const std::string id(kMeasurementTable[m].id);
+  if (!values.contains(id) || !values[id].at("value").is_number()) return "has no " + id;
   const json& e = values[id];
-  return index::IntervalEstimate{e.at("value").get<float>(), e.at("interval").at(0).get<float>(),
-                                 e.at("interval").at(1).get<float>()};
+  const double value = e.at("value").get<double>();
+  const double low = e.at("interval").at(0).get<double>(), high = e.at("interval").at(1).get<double>();
+  const sessions::Range range =
+      static_cast<Measurement>(m) == Measurement::weight ? sessions::kWeightKg : sessions::kTapeMm;
+  for (const double number : {value, low, high})
+    if (!(number >= range.least && number <= range.most))
+      return fmt::format("{} has {}, expected {} to {}", id, number, range.least, range.most);
+  if (low > high) return fmt::format("the interval of {} is reversed: {} to {}", id, low, high);
+  estimate = {static_cast<float>(value), static_cast<float>(low), static_cast<float>(high)};
+  return "";
 }
 
 // What result.json answers, into `person`. "" or why it cannot.
 std::string read_answer(const std::string& path, lab::SitePerson& person) {
-  const auto bytes = read_file(path, kResultBytesMax);
-  if (!bytes) return bytes.error().message;
+  const auto read = read_json(path, kResultBytesMax);
+  if (!read) return read.error().message;
+  const json& result = *read;
   try {
-    const json result = json::parse(reinterpret_cast<const char*>(bytes->data()),
-                                    reinterpret_cast<const char*>(bytes->data()) + bytes->size());
     if (result.at("schema") != "im2fit.result/1") return "result.json is of another schema";
-    if (result.at("state") != "MEASURED") return "not measured: " + result.at("state").get<std::string>();
+    if (result.at("state") != "MEASURED") return "not measured: " + excerpt(result.at("state").get<std::string>());
     const json& values = result.contains("calibration_site") ? result["calibration_site"].at("uncorrected")
                                                              : result.at("measurements");
-    for (std::size_t m = 0; m < kMeasurementCount; ++m) {
-      const auto estimate = estimate_in(values, std::string(kMeasurementTable[m].id));
-      if (!estimate) return fmt::format("result.json has no {}", kMeasurementTable[m].id);
-      person.answer[m] = *estimate;
-    }
+    for (std::size_t m = 0; m < kMeasurementCount; ++m)
+      if (const std::string fault = read_estimate(values, m, person.answer[m]); !fault.empty())
+        return "result.json: " + fault;
     person.female = result.at("sex").at("female").get<double>();
-    person.camera = result.at("source").at("name").get<std::string>();
-    if (result.contains("size")) person.answered_size = result["size"].at("best").get<std::string>();
+    if (!(person.female >= 0 && person.female <= 1))
+      return fmt::format("result.json: sex.female is {}, expected 0 to 1", person.female);
+    person.camera = printable(result.at("source").at("name").get<std::string>());
+    if (result.contains("size")) person.answered_size = excerpt(result["size"].at("best").get<std::string>());
     return "";
   } catch (const json::exception& wrong) {
     return std::string("result.json: ") + wrong.what();

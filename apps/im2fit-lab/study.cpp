@@ -7,6 +7,7 @@
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/site_people.h"
 #include "core/file.h"
+#include "core/text.h"
 #include "evaluation/study/calibrate.h"
 #include "evaluation/study/site_report.h"
 
@@ -26,7 +27,7 @@ struct CalibrateCommand {
 };
 
 void tell_left_out(const char* command, const SitePeople& all) {
-  for (const std::string& why : all.left_out) fmt::print(stderr, "{}: left out {}\n", command, why);
+  for (const std::string& why : all.left_out) fmt::print(stderr, "{}: left out {}\n", command, printable(why));
 }
 
 Result<int> run_study(const StudyCommand& options) {

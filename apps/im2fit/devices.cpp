@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/im2fit/commands.h"
+#include "formats/json_file.h"
 #include "hal/open/open.h"
 
 namespace im2fit::apps {
@@ -19,7 +20,7 @@ Result<int> run_devices(const DevicesOptions& options) {
   if (options.json) {
     nlohmann::ordered_json out = nlohmann::ordered_json::array();
     for (const auto& device : *devices) out.push_back({{"uri", device.uri}, {"name", device.name}});
-    fmt::print("{}\n", out.dump(1));
+    fmt::print("{}\n", json_text(out, 1));
     return kExitOk;
   }
   for (const auto& device : *devices) fmt::print("{}  {}\n", device.uri, device.name);

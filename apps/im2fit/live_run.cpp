@@ -10,6 +10,8 @@
 #include <thread>
 #include <utility>
 
+#include "formats/json_file.h"
+
 namespace im2fit::apps {
 namespace {
 
@@ -228,7 +230,7 @@ class LiveRun {
     if (options_.session.json && !options_.session.out.empty())
       if (auto written = write_outputs(outcome_, options_.session.out); !written) return written.error();
     Json event = {{"event", "end"}, {"frame", frames_}, {"persons", 0}};
-    event["result"] = Json::parse(result_json(outcome_.person));
+    event["result"] = *parse_json<Json>(result_json(outcome_.person), "result.json");
     if (auto sent = publish(event); !sent) return sent.error();
     // Whoever stops a page, or its service, stops it between people: nothing has failed.
     if (listener_ != nullptr && interrupted()) return kExitOk;

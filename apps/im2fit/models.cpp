@@ -7,6 +7,8 @@
 #include "apps/common/pack/model_pack.h"
 #include "apps/common/paths.h"
 #include "apps/im2fit/commands.h"
+#include "core/text.h"
+#include "formats/json_file.h"
 
 namespace im2fit::apps {
 namespace {
@@ -44,7 +46,7 @@ Result<std::vector<Place>> places() {
 
 Json place_json(const Place& place) {
   Json json = {{"directory", place.directory}, {"used", place.used}};
-  json["pack"] = place.has_manifest ? Json::parse(manifest_json(place.manifest)) : Json(nullptr);
+  json["pack"] = place.has_manifest ? *parse_json<Json>(manifest_json(place.manifest), kManifestName) : Json(nullptr);
   return json;
 }
 
@@ -54,7 +56,7 @@ Result<int> run_list(const ModelsOptions& options) {
   if (options.json) {
     Json all = Json::array();
     for (const Place& place : *found) all.push_back(place_json(place));
-    fmt::print("{}\n", all.dump(1));
+    fmt::print("{}\n", json_text(all, 1));
     return kExitOk;
   }
   if (found->empty()) {
@@ -64,38 +66,42 @@ Result<int> run_list(const ModelsOptions& options) {
   }
   for (const Place& place : *found) {
     const std::string what = place.has_manifest
-                                 ? fmt::format("pack {}, {} people, licence {}", place.manifest.version,
-                                               place.manifest.people, place.manifest.licence)
+                                 ? fmt::format("pack {}, {} people, licence {}", excerpt(place.manifest.version),
+                                               place.manifest.people, excerpt(place.manifest.licence))
                                  : "not from a pack";
-    fmt::print("{} {}  {}\n", place.used ? "*" : " ", place.directory, what);
+    fmt::print("{} {}  {}\n", place.used ? "*" : " ", printable(place.directory), what);
   }
   return kExitOk;
 }
 
 Result<int> run_install(const ModelsOptions& options) {
-  const auto pack = read_pack(options.pack);
+  const auto pack = open_pack(options.pack);
   if (!pack) return pack.error();
   const std::string directory = options.directory.empty() ? user_data_directory() : options.directory;
   if (auto ok = install_pack(*pack, directory); !ok) return ok.error();
   if (auto ok = verify_installed(pack->manifest, directory); !ok) return ok.error();
-  fmt::print("models {} ({} people, licence {}) in {}\n", pack->manifest.version, pack->manifest.people,
-             pack->manifest.licence, directory);
+  fmt::print("models {} ({} people, licence {}) in {}\n", excerpt(pack->manifest.version), pack->manifest.people,
+             excerpt(pack->manifest.licence), printable(directory));
   return kExitOk;
+}
+
+void print_intact(const std::string& what, const PackManifest& manifest) {
+  fmt::print("{}: intact, models {}, {} files\n", printable(what), excerpt(manifest.version), manifest.files.size());
 }
 
 Result<int> run_verify(const ModelsOptions& options) {
   if (!options.pack.empty()) {
-    const auto pack = read_pack(options.pack);
+    const auto pack = open_pack(options.pack);
     if (!pack) return pack.error();
-    fmt::print("{}: intact, models {}, {} files\n", options.pack, pack->manifest.version,
-               pack->manifest.files.size());
+    if (auto ok = verify_pack(*pack); !ok) return ok.error();
+    print_intact(options.pack, pack->manifest);
     return kExitOk;
   }
   const std::string directory = options.directory.empty() ? model_directory() : options.directory;
   const auto manifest = installed_manifest(directory);
   if (!manifest) return manifest.error();
   if (auto ok = verify_installed(*manifest, directory); !ok) return ok.error();
-  fmt::print("{}: intact, models {}, {} files\n", directory, manifest->version, manifest->files.size());
+  print_intact(directory, *manifest);
   return kExitOk;
 }
 

@@ -5,7 +5,7 @@
 
 #include "apps/im2fit/session.h"
 #include "apps/sessions/store.h"
-#include "core/file.h"
+#include "formats/json_file.h"
 #include "report/result_json.h"
 
 namespace im2fit::apps {
@@ -33,14 +33,10 @@ Result<Remeasured> remeasure(const RemeasureOptions& given) {
   if (!outcome) return outcome.error();
   if (!options.out.empty())
     if (const auto written = write_outputs(*outcome, options.out); !written) return written.error();
-  Remeasured done{std::move(*record), nullptr, Json::parse(result_json(outcome->person))};
+  Remeasured done{std::move(*record), nullptr, *parse_json<Json>(result_json(outcome->person), "result.json")};
   const auto folder = sessions::folder_of(given.root, given.id);
-  const auto before = folder ? read_file(*folder + "/" + sessions::kResultFile, kTextBytesMax) : folder.error();
-  if (before) {
-    const auto* text = reinterpret_cast<const char*>(before->data());
-    Json parsed = Json::parse(text, text + before->size(), nullptr, false);
-    if (parsed.is_object()) done.before = std::move(parsed);
-  }
+  auto before = folder ? read_json<Json>(*folder + "/" + sessions::kResultFile, kTextBytesMax) : folder.error();
+  if (before && before->is_object()) done.before = std::move(*before);
   return done;
 }
 

@@ -12,6 +12,7 @@
 #include "apps/im2fit/remeasure.h"
 #include "apps/sessions/store.h"
 #include "core/text.h"
+#include "formats/json_file.h"
 #include "report/text_table.h"
 
 namespace im2fit::apps {
@@ -36,10 +37,10 @@ Result<int> run_list(const SessionsOptions& options) {
       if (!one.damage.empty())
         entry["damage"] = one.damage;
       else
-        entry.update(Json::parse(one.record.document));
+        entry.update(*parse_json<Json>(one.record.document, one.id));
       json.push_back(std::move(entry));
     }
-    fmt::print("{}\n", json.dump(1));
+    fmt::print("{}\n", json_text(json, 1));
     return kExitOk;
   }
   TextTable table({"id", "person", "height", "clothing", "tape values", "site"});
@@ -128,7 +129,7 @@ Result<int> run_measure(const SessionsOptions& options) {
   if (!done) return done.error();
   const bool measured = done->now["measurements"].size() > 0;
   if (options.json)
-    fmt::print("{}\n", Json{{"id", done->record.id}, {"then", done->before}, {"now", done->now}}.dump(2));
+    fmt::print("{}\n", json_text(Json{{"id", done->record.id}, {"then", done->before}, {"now", done->now}}, 2));
   else if (measured)
     fmt::print("{}", comparison(*done));
   if (measured) return kExitOk;

@@ -26,6 +26,7 @@
 #include "apps/im2fitd/notify.h"
 #include "apps/im2fitd/publisher.h"
 #include "core/file.h"
+#include "formats/json_file.h"
 #include "hal/folder/camera_yaml.h"
 #include "hal/frame_path.h"
 #include "hal/open/open.h"
@@ -313,7 +314,8 @@ bool Daemon::take_facts(const ClientLine& line, const hal::Source* source) {
     return false;
   };
   if (line.too_long) return refuse(fmt::format("a line has more than {} bytes", kClientLineMax));
-  const auto sent = apps::Json::parse(line.text, nullptr, false);
+  const auto read = parse_json<apps::Json>(line.text, "the line");
+  const apps::Json sent = read ? *read : apps::Json();
   if (!sent.is_object() || sent.size() != 1 || !sent.contains("known") || !sent["known"].is_object())
     return refuse("expected {\"known\": {...}} on one line (docs/daemon.md)");
   const auto facts = apps::facts_of_form(sent["known"].dump());

@@ -9,6 +9,7 @@
 #include "apps/common/facts_form.h"
 #include "apps/kiosk/hand_over.h"
 #include "apps/kiosk/small_picture.h"
+#include "formats/json_file.h"
 #include "report/drawn_bones.h"
 
 namespace im2fit::apps {
@@ -225,7 +226,7 @@ PageAnswer LivePage::offer(std::string_view visit) {
   const auto left = of_visit.count() > 0 ? std::min(of_visit, settings_.hand_over_max) : settings_.hand_over_max;
   const Json json = {
       {"address", address}, {"left_s", left.count() / 1000}, {"side", code->side}, {"path", code->path}};
-  return {200, std::make_shared<const PageFile>(PageFile{"application/json", json.dump()}), ""};
+  return {200, std::make_shared<const PageFile>(PageFile{"application/json", json_text(json)}), ""};
 }
 
 PageAnswer LivePage::take(std::string_view token) {

@@ -6,6 +6,7 @@
 
 #include "apps/kiosk/small_picture.h"
 #include "core/file.h"
+#include "formats/json_file.h"
 #include "hal/folder/depth_file.h"
 
 namespace im2fit::apps {
@@ -19,7 +20,7 @@ PageAnswer said(unsigned status, const std::string& text) {
   return {status, nullptr, text};
 }
 PageAnswer json_answer(const Json& json) {
-  return {200, std::make_shared<const PageFile>(PageFile{"application/json", json.dump()}), ""};
+  return {200, std::make_shared<const PageFile>(PageFile{"application/json", json_text(json)}), ""};
 }
 // A request's fault is the client's, a disk's is ours.
 PageAnswer failed(const Error& error) {
@@ -51,7 +52,9 @@ Json listed_json(const sessions::Listed& one) {
 
 }  // namespace
 
-OperatorDesk::OperatorDesk(OperatorSettings settings) : settings_(std::move(settings)) {}
+OperatorDesk::OperatorDesk(OperatorSettings settings) : settings_(std::move(settings)) {
+  sessions::sweep(settings_.root);
+}
 
 OperatorDesk::~OperatorDesk() {
   if (job_thread_.joinable()) job_thread_.join();
@@ -98,9 +101,9 @@ void OperatorDesk::visit_over(std::uint64_t visit, bool erased) {
 
 PageAnswer OperatorDesk::answer(const PageRequest& request) {
   if (!request.post) return get(request);
-  const Json body = Json::parse(request.body, nullptr, false);
-  if (!body.is_object()) return said(400, "the request is not a JSON object");
-  return post(request, body);
+  const auto body = parse_json<Json>(request.body, "the request");
+  if (!body || !body->is_object()) return said(400, body ? "the request is not a JSON object" : body.error().message);
+  return post(request, *body);
 }
 
 PageAnswer OperatorDesk::get(const PageRequest& request) {
@@ -116,7 +119,7 @@ PageAnswer OperatorDesk::get(const PageRequest& request) {
   }
   if (request.path == "/operator/session") {
     const auto record = sessions::read(settings_.root, id);
-    return record ? json_answer(Json::parse(record->document)) : failed(record.error());
+    return record ? json_answer(*parse_json<Json>(record->document, id)) : failed(record.error());
   }
   if (request.path == "/operator/picture") return picture(id, field_of(request, "number"));
   if (request.path == "/operator/form") {
@@ -152,7 +155,7 @@ PageAnswer OperatorDesk::state() const {
                          {"full", counts.full},
                          {"error", counts.error}};
   }
-  if (phase_ == Phase::measured) json["result"] = Json::parse(result_, nullptr, false);
+  if (phase_ == Phase::measured) json["result"] = *parse_json<Json>(result_, "result.json");
   if (!job_.kind.empty())
     json["job"] = {{"kind", job_.kind},
                    {"id", job_.id},
@@ -230,10 +233,10 @@ PageAnswer OperatorDesk::save(const Json& body) {
   }
   // The form's fields go into the record of known facts, which is parsed with the limits of any session.json.
   record.id = "new";
-  Json json = Json::parse(sessions::record_json(record));
+  Json json = *parse_json<Json>(sessions::record_json(record), "the form");
   for (const char* key : {"person", "notes", "site", "truth"})
     if (body.contains(key)) json[key] = body[key];
-  auto whole = sessions::parse_record(json.dump(-1, ' ', false, Json::error_handler_t::replace), "the form");
+  auto whole = sessions::parse_record(json_text(json), "the form");
   if (!whole) return said(400, whole.error().message);
   for (const auto& [id, reading] : whole->truth.tape)
     if (std::none_of(settings_.tape.begin(), settings_.tape.end(),
@@ -278,7 +281,11 @@ void OperatorDesk::start_job(const std::string& kind, const std::string& id, std
   }
   job_thread_ = std::thread([this, kind, id, work = std::move(work)] {
     Job job{kind, id, "", nullptr, false};
-    work(job);
+    try {
+      work(job);
+    } catch (const std::exception& error) {  // it would end the program
+      job.error = error.what();
+    }
     const std::lock_guard lock(mutex_);
     job_ = std::move(job);
   });

@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <exception>
 #include <list>
 #include <mutex>
 #include <optional>
@@ -375,19 +376,25 @@ Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address,
                                               const char* method, const char*, const char* data, std::size_t* upload,
                                               void** request) -> MHD_Result {
     auto& parts = *static_cast<Parts*>(closure);
-    if (*request == nullptr) {
-      auto* begun = new Upload;  // until the request is completed
-      begun->path = url;
-      *request = begun;
-      return parts.answer(connection, method, *begun);
+    try {
+      if (*request == nullptr) {
+        auto* begun = new Upload;  // until the request is completed
+        begun->path = url;
+        *request = begun;
+        return parts.answer(connection, method, *begun);
+      }
+      auto& going = *static_cast<Upload*>(*request);
+      const std::size_t count = std::exchange(*upload, 0);
+      if (!going.wanted) return MHD_YES;  // a refused method may have a body
+      if (count == 0) return parts.use_body(connection, going);
+      if (count > going.bytes_max - going.body.size()) return MHD_NO;
+      going.body.append(data, count);
+      return MHD_YES;
+    } catch (const std::exception&) {
+      // In the library, which is C, it would end the program and everybody's page.
+      return send(connection, MHD_HTTP_INTERNAL_SERVER_ERROR, lasting_bytes("this failed; reload the page\n"),
+                  kPlainText);
     }
-    auto& going = *static_cast<Upload*>(*request);
-    const std::size_t count = std::exchange(*upload, 0);
-    if (!going.wanted) return MHD_YES;  // a refused method may have a body
-    if (count == 0) return parts.use_body(connection, going);
-    if (count > going.bytes_max - going.body.size()) return MHD_NO;
-    going.body.append(data, count);
-    return MHD_YES;
   };
   const MHD_NotifyConnectionCallback connected = [](void* closure, MHD_Connection* connection, void** context,
                                                     MHD_ConnectionNotificationCode code) {

@@ -10,6 +10,7 @@
 
 #include "core/text.h"
 #include "engine/engine.h"
+#include "formats/json_file.h"
 
 namespace im2fit::sessions {
 namespace {
@@ -146,7 +147,7 @@ void read_tape(Fields& fields, const Json& json, PersonTruth& truth) {
   for (const auto& [id, values] : tape->items()) {
     const bool right = values.is_array() && (values.size() == 1 || values.size() == 2) &&
                        std::all_of(values.begin(), values.end(), [](const Json& v) { return v.is_number(); });
-    if (!right) return fields.wrong("truth.tape." + id, "is not one or two numbers");
+    if (!right) return fields.wrong("truth.tape." + excerpt(id), "is not one or two numbers");
     TapeReading& reading = truth.tape[id];
     reading.first = values[0].get<double>();
     if (values.size() == 2) reading.second = values[1].get<double>();
@@ -225,7 +226,7 @@ std::string fault_of_line(const char* field, const std::string& text, std::size_
 template <std::size_t N>
 std::string fault_of_word(const char* field, const std::string& word, const std::array<const char*, N>& words) {
   if (word.empty() || std::find(words.begin(), words.end(), word) != words.end()) return "";
-  return fmt::format("{} is \"{}\", expected {}", field, printable(word), fmt::join(words, ", "));
+  return fmt::format("{} is \"{}\", expected {}", field, excerpt(word), fmt::join(words, ", "));
 }
 
 bool is_tape_id(const std::string& id) {
@@ -237,7 +238,7 @@ std::string fault_of_tape(const PersonTruth& truth) {
   if (truth.tape.size() > kTapeValuesMax) return fmt::format("truth.tape has more than {} values", kTapeValuesMax);
   for (const auto& [id, reading] : truth.tape) {
     if (!is_tape_id(id))
-      return fmt::format("truth.tape has \"{}\", expected an id of small letters, digits and _", printable(id));
+      return fmt::format("truth.tape has \"{}\", expected an id of small letters, digits and _", excerpt(id));
     const std::string field = "truth.tape." + id;
     for (const std::optional<double>& value : {std::optional(reading.first), reading.second})
       if (std::string fault = fault_of_number(field.c_str(), value, kTapeMm); !fault.empty()) return fault;
@@ -271,8 +272,8 @@ std::string fault_of_consent(const Consent& consent) {
 }  // namespace
 
 std::string record_json(const Record& record) {
-  Json json = record.document.empty() ? Json::object() : Json::parse(record.document, nullptr, false);
-  if (!json.is_object()) json = Json::object();
+  auto document = parse_json<Json>(record.document, "session.json");
+  Json json = document && document->is_object() ? std::move(*document) : Json::object();
   json["schema"] = kSchema;
   set_text(json, "id", record.id);
   set_text(json, "started_utc", record.started_utc);
@@ -300,17 +301,19 @@ std::string record_json(const Record& record) {
   set_text(versions, "tracker", record.versions.tracker);
   set_text(versions, "index", record.versions.index);
   set_settings(object_in(json, "settings"), record.settings);
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 Result<Record> parse_record(std::string_view text, const std::string& what) {
-  const Json json = Json::parse(text, nullptr, false);
+  const auto read = parse_json<Json>(text, what);
+  if (!read) return read.error();
+  const Json& json = *read;
   if (!json.is_object()) return Error{ErrorCode::corrupt, what + ": not a JSON object, expected a session.json"};
   const auto schema = json.find("schema");
   if (schema == json.end() || *schema != kSchema)
     return Error{ErrorCode::unsupported,
                  fmt::format("{}: schema {}, expected \"{}\"", what,
-                             schema == json.end() ? "is missing" : "is " + printable(schema->dump()), kSchema)};
+                             schema == json.end() ? "is missing" : "is " + excerpt(json_text(*schema)), kSchema)};
   Record record;
   Fields fields(what);
   read_record(fields, json, record);

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/sessions/store.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -17,9 +15,11 @@
 #include <tuple>
 #include <utility>
 
+#include "apps/common/directory.h"
 #include "apps/common/paths.h"
 #include "core/crc32c.h"
 #include "core/file.h"
+#include "core/text.h"
 
 namespace im2fit::sessions {
 namespace {
@@ -33,22 +33,6 @@ constexpr mode_t kFolderMode = 0700, kFileMode = 0600;
 Error system_error(const std::string& what, const std::string& path) {
   return {ErrorCode::io, what + " " + path + ": " + std::strerror(errno)};
 }
-
-class Descriptor {
- public:
-  explicit Descriptor(const std::string& folder)
-      : fd_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW)) {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-  int release() { return std::exchange(fd_, -1); }
-
- private:
-  int fd_;
-};
 
 std::string time_text(const char* form) {
   const std::time_t now = std::time(nullptr);
@@ -79,30 +63,16 @@ std::string unfinished_id(const std::string& name) {
 }
 
 // What a program that was killed has left: its lock is free. The caller holds the root's.
-void sweep(const std::string& root) {
+void remove_left(const std::string& root) {
   std::error_code code;
   std::vector<fs::path> left;
   for (fs::directory_iterator it(root, code), end; !code && it != end; it.increment(code))
     if (!unfinished_id(it->path().filename().string()).empty()) left.push_back(it->path());
   for (const fs::path& path : left) {
-    const Descriptor folder(path.string());
-    if (folder.get() >= 0 && ::flock(folder.get(), LOCK_EX | LOCK_NB) == 0) fs::remove_all(path, code);
+    const Directory folder(path.string());
+    if (folder.lock_if_free()) fs::remove_all(path, code);
   }
 }
-
-// Makes the root, holds its lock while this lives: a folder that was just made is not yet locked itself.
-class RootLock {
- public:
-  explicit RootLock(const std::string& root) : folder_(root) {
-    held_ = folder_.get() >= 0 && ::flock(folder_.get(), LOCK_EX) == 0;
-  }
-  bool held() const { return held_; }
-  int fd() const { return folder_.get(); }
-
- private:
-  Descriptor folder_;
-  bool held_;
-};
 
 Status make_root(const std::string& root) {
   std::error_code code;
@@ -125,6 +95,10 @@ Status close_to_others(const std::string& folder) {
 }
 
 }  // namespace
+
+void sweep(const std::string& root) {
+  if (const Directory held(root); held.lock()) remove_left(root);
+}
 
 std::string default_root() {
   return user_data_directory() + "/sessions";
@@ -150,13 +124,13 @@ Result<NewSession> NewSession::begin(const std::string& root) {
   if (const auto made = make_root(root); !made) return made.error();
   auto id = new_id();
   if (!id) return id.error();
-  const RootLock lock(root);
-  if (!lock.held()) return system_error("cannot lock", root);
-  sweep(root);
+  const Directory held(root);  // a session's folder that was just made is not locked itself yet
+  if (!held.lock()) return system_error("cannot lock", root);
+  remove_left(root);
   NewSession session(root, *id, -1);
   if (::mkdir(session.folder_.c_str(), kFolderMode) != 0) return system_error("cannot make", session.folder_);
-  Descriptor folder(session.folder_);
-  if (folder.get() < 0 || ::flock(folder.get(), LOCK_EX | LOCK_NB) != 0) {
+  Directory folder(session.folder_);
+  if (!folder.lock_if_free()) {
     Error error = system_error("cannot lock", session.folder_);
     ::rmdir(session.folder_.c_str());
     return error;
@@ -191,7 +165,7 @@ Status NewSession::finish(Record record) {
   const std::string final_folder = root_ + "/" + id_;
   if (::rename(folder_.c_str(), final_folder.c_str()) != 0) return system_error("cannot rename to", final_folder);
   ::close(std::exchange(lock_, -1));
-  if (const Descriptor folder(root_); folder.get() >= 0) ::fsync(folder.get());  // it is there in any case
+  Directory(root_).sync();  // it is there in any case
   return Ok{};
 }
 
@@ -201,7 +175,12 @@ Result<std::vector<Listed>> list(const std::string& root) {
   if (!fs::exists(root, code) && !code) return all;
   for (fs::directory_iterator it(root, code), end; !code && it != end; it.increment(code)) {
     const std::string id = it->path().filename().string();
-    if (!is_id(id) || !it->is_directory()) continue;
+    std::error_code fault;  // of this one alone: a link to itself, a disk that fails
+    if (!is_id(id) || (!it->is_directory(fault) && !fault)) continue;
+    if (fault) {
+      all.push_back({id, {}, fmt::format("{}/{}: {}; delete it", root, id, fault.message())});
+      continue;
+    }
     auto record = read(root, id);
     all.push_back(record ? Listed{id, std::move(*record), ""} : Listed{id, {}, record.error().message});
   }
@@ -230,7 +209,8 @@ Result<Record> read(const std::string& root, const std::string& id) {
   if (!bytes) return bytes.error();
   auto record = parse_record({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path);
   if (record && record->id != id)
-    return Error{ErrorCode::corrupt, fmt::format("{}: id is \"{}\", expected the folder's name", path, record->id)};
+    return Error{ErrorCode::corrupt,
+                 fmt::format("{}: id is \"{}\", expected the folder's name", path, excerpt(record->id))};
   return record;
 }
 
@@ -246,15 +226,15 @@ Result<std::string> recording_of(const std::string& root, const std::string& id)
 Status remove(const std::string& root, const std::string& id) {
   const auto folder = folder_of(root, id);
   if (!folder) return folder.error();
-  const RootLock lock(root);
-  if (!lock.held()) return system_error("cannot lock", root);
+  const Directory held(root);
+  if (!held.lock()) return system_error("cannot lock", root);
   const std::string going = root + "/." + id + ".gone";
   if (::rename(folder->c_str(), going.c_str()) != 0) return system_error("cannot delete", *folder);
   std::error_code code;
   fs::remove_all(going, code);
   if (code) return Error{ErrorCode::io, "cannot delete all of " + going + ": " + code.message()};
-  sweep(root);
-  ::fsync(lock.fd());
+  remove_left(root);
+  held.sync();
   return Ok{};
 }
 

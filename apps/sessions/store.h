@@ -3,8 +3,8 @@
 //
 // A session appears whole or not at all: it is written in ROOT/.ID.part and renamed when everything is on the disk;
 // it goes the same way, renamed to ROOT/.ID.gone and then deleted. What a program that was killed has left of either
-// is deleted when the next session begins or goes. Folders are of mode 0700, files 0600. Several programs may use one
-// root.
+// is deleted when the next session begins or goes, and when `im2fit serve --operator` starts. Folders are of mode
+// 0700, files 0600. Several programs may use one root.
 #pragma once
 
 #include <string>
@@ -51,6 +51,9 @@ class NewSession {
   std::string root_, id_, folder_;
   int lock_;  // of the folder, while it is being written
 };
+
+// Deletes what programs that were killed have left. Sessions being written stay.
+void sweep(const std::string& root);
 
 struct Listed {
   std::string id;

@@ -13,7 +13,7 @@
 #include <optional>
 
 #include "body/person_axes.h"
-#include "core/file.h"
+#include "formats/json_file.h"
 #include "person/avatar.h"
 
 namespace im2fit::lab {
@@ -231,10 +231,9 @@ std::string icp_json_of(const std::vector<IcpCurve>& curves) {
 }
 
 Result<std::vector<IcpCurve>> read_icp_curves(const std::string& path) {
-  const auto bytes = read_file(path);
-  if (!bytes) return bytes.error();
-  const auto* text = reinterpret_cast<const char*>(bytes->data());
-  const auto json = nlohmann::json::parse(text, text + bytes->size(), nullptr, false);
+  const auto read = read_json(path);
+  if (!read) return read.error();
+  const nlohmann::json& json = *read;
   const Error foreign{ErrorCode::corrupt, path + ": expected im2fit.icp/1 as references_bench icp writes it"};
   if (!json.is_object() || json.value("schema", "") != "im2fit.icp/1" || !json.contains("curves")) return foreign;
   std::vector<IcpCurve> curves;

@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "body/export/export.h"
-#include "core/file.h"
 #include "evaluation/measurements/error_statistics.h"
+#include "formats/json_file.h"
 #include "garment/drape/wear.h"
 #include "person/avatar.h"
 #include "person/data_files.h"
@@ -158,10 +158,9 @@ Result<std::vector<RuntimeRow>> measure_runtime(const SessionModels& models, con
 }
 
 Result<std::vector<ReferenceLine>> read_index_references(const std::string& path) {
-  const auto bytes = read_file(path);
-  if (!bytes) return bytes.error();
-  const auto* text = reinterpret_cast<const char*>(bytes->data());
-  const auto json = nlohmann::json::parse(text, text + bytes->size(), nullptr, false);
+  const auto read = read_json(path);
+  if (!read) return read.error();
+  const nlohmann::json& json = *read;
   if (!json.is_object() || !json.contains("rows") || !json["rows"].is_array())
     return Error{ErrorCode::corrupt, path + ": expected the JSON of bench/index/index_references, with `rows`"};
   std::vector<ReferenceLine> lines = {{"im2fit", {}}, {"brute force, 501 float", {}}};

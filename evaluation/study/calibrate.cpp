@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "evaluation/measurements/error_statistics.h"
+#include "formats/json_file.h"
 
 namespace im2fit::lab {
 namespace {
@@ -282,7 +283,7 @@ std::string json_of(const CalibrationOutcome& outcome) {
           {"coverage", {r.coverage_before, r.coverage_after}}}}};
   }
   for (const SiteModel::Camera& camera : outcome.model.cameras) json["cameras"][camera.name] = camera.scale;
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 }  // namespace im2fit::lab

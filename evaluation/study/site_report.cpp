@@ -9,6 +9,7 @@
 #include "evaluation/measurements/figures.h"
 #include "evaluation/measurements/paper_says.h"
 #include "evaluation/study/calibrate.h"
+#include "formats/json_file.h"
 #include "report/page_style.h"
 
 namespace im2fit::lab {
@@ -194,7 +195,7 @@ std::string json_of(const SiteStudy& study) {
                                                       {"coverage", share_json(group.rows[m].covered)}};
     json["groups"].push_back({{"name", group.name}, {"people", group.people}, {"measurements", rows}});
   }
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 std::string html_of(const SiteStudy& study, const std::vector<SitePerson>& visits, const std::string& title,

@@ -169,7 +169,7 @@ Result<std::unique_ptr<FolderSource>> FolderSource::open(const std::string& path
   info.uri = path;
   info.name = path;
   info.rotate_deg = options.rotate_deg.value_or(camera->rotate_deg.value_or(0));
-  if (std::filesystem::exists(path + "/timestamps.csv")) {
+  if (std::error_code code; std::filesystem::exists(path + "/timestamps.csv", code) || code) {
     if (auto ok = source->read_timestamps(path + "/timestamps.csv"); !ok) return ok.error();
   }
   info.intrinsics_origin = camera->origin;

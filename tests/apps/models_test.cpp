@@ -2,9 +2,12 @@
 // im2fit-lab pack and im2fit models: made twice the same, installed, found, and refused when damaged, older or newer.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "apps/common/pack/model_pack.h"
@@ -48,30 +51,55 @@ class Models : public testing::Test {
     words.insert(words.begin(), {test::kProgram, "models"});
     return test::run_program(words, alone());
   }
-  // A pack of three files that only begin like ours, so that it is made in no time.
-  std::string small_pack(std::uint32_t index_format, std::uint32_t pack_format = apps::kPackVersion) const {
+  // Three files that only begin like ours, so that a pack of them is made in no time.
+  struct Small {
     PackManifest manifest;
-    manifest.version = "9.9";
-    manifest.made_by = "a test";
-    manifest.licence = "CC0-1.0";
-    manifest.people = 3;
     std::vector<std::vector<std::byte>> contents;
-    const auto add = [&](const std::string& name, const char* magic, std::uint32_t format) {
-      std::vector<std::byte> bytes(500, std::byte{7});
-      std::memcpy(bytes.data(), magic, 4);
-      std::memcpy(bytes.data() + 4, &format, sizeof format);
+    void add(const std::string& name, std::vector<std::byte> bytes) {
       manifest.files.push_back(apps::describe_file(name, bytes));
       contents.push_back(std::move(bytes));
-    };
-    add("body.i2b", "I2BD", body::kBodyVersion);
-    add("tracker.i2t", "I2TR", joints::kTrackerVersion);
-    add("index.i2f", "I2FX", index_format);
-    auto pack = apps::make_pack(manifest, contents);
+    }
+    void add(const std::string& name, const char* magic, std::uint32_t format, std::byte fill) {
+      std::vector<std::byte> bytes(500, fill);
+      std::memcpy(bytes.data(), magic, 4);
+      std::memcpy(bytes.data() + 4, &format, sizeof format);
+      add(name, std::move(bytes));
+    }
+  };
+  static Small small(std::uint32_t index_format = kIndexFormat, std::byte fill = std::byte{7}) {
+    Small all;
+    all.manifest.version = "9.9";
+    all.manifest.made_by = "a test";
+    all.manifest.licence = "CC0-1.0";
+    all.manifest.people = 3;
+    all.add("body.i2b", "I2BD", body::kBodyVersion, fill);
+    all.add("tracker.i2t", "I2TR", joints::kTrackerVersion, fill);
+    all.add("index.i2f", "I2FX", index_format, fill);
+    return all;
+  }
+  std::string packed(const Small& all, std::uint32_t pack_format = apps::kPackVersion) const {
+    auto pack = apps::make_pack(all.manifest, all.contents);
     EXPECT_TRUE(pack);
     std::memcpy(pack->data() + 4, &pack_format, sizeof pack_format);
     const std::string path = folder_ + "/small.i2p";
     EXPECT_TRUE(write_file_atomically(path, *pack));
     return path;
+  }
+  std::string small_pack(std::uint32_t index_format, std::uint32_t pack_format = apps::kPackVersion) const {
+    return packed(small(index_format), pack_format);
+  }
+  void expect_refused(const std::string& pack, const std::string& why) const {
+    for (const char* command : {"verify", "install"}) {
+      const test::Run run = models({command, pack});
+      EXPECT_EQ(run.exit_code, 1) << why;
+      EXPECT_TRUE(test::is_one_line_of(run.err, "im2fit")) << run.err;
+      EXPECT_NE(run.err.find(why), std::string::npos) << run.err;
+      EXPECT_LT(run.err.size(), 400U) << "of a size to be read";
+    }
+  }
+  std::string installed(const std::string& name) const {
+    std::ifstream file(folder_ + "/data/im2fit/" + name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
   }
   static constexpr std::uint32_t kIndexFormat = index::kVersion;
 
@@ -166,16 +194,16 @@ TEST_F(Models, DamageIsNamed) {
     std::vector<std::byte> bytes = *whole;
     bytes[at] ^= std::byte{0x20};
     ASSERT_TRUE(write_file_atomically(path, bytes));
-    const auto pack = apps::read_pack(path);
+    const auto pack = apps::open_pack(path);
     // Padding between sections has no checksum.
-    if (pack) {
+    if (pack && apps::verify_pack(*pack)) {
       EXPECT_EQ(pack->manifest.version, "9.9");
-      EXPECT_EQ(pack->contents.size(), 3U);
+      EXPECT_EQ(pack->manifest.files.size(), 3U);
     }
   }
   for (const std::size_t size : {std::size_t{0}, std::size_t{7}, whole->size() / 2, whole->size() - 1}) {
     ASSERT_TRUE(write_file_atomically(path, std::span(*whole).first(size)));
-    EXPECT_FALSE(apps::read_pack(path)) << size;
+    EXPECT_FALSE(apps::open_pack(path)) << size;
   }
   const test::Run foreign = models({"install", std::string(test::kProgram)});
   EXPECT_EQ(foreign.exit_code, 1);
@@ -190,11 +218,121 @@ TEST_F(Models, DamageIsNamed) {
 
 // A manifest that names a file elsewhere is refused before anything is written.
 TEST_F(Models, WriteNowhereElse) {
-  for (const char* name : {"../escaped", "/tmp/escaped", "a/../../escaped", "models.json", "", "a/"}) {
-    PackManifest manifest;
-    manifest.files.push_back(apps::describe_file(name, std::vector<std::byte>(4)));
-    EXPECT_FALSE(apps::parse_manifest(apps::manifest_json(manifest), "test")) << name;
+  ASSERT_TRUE(apps::parse_manifest(apps::manifest_json(small().manifest), "test"));
+  for (const char* name : {"../escaped", "/tmp/escaped", "a/../../escaped", "models.json", "", "a/", "a//b", "./a",
+                           ".models.part/a", "a\\b", "\x1b[2J", "a\nb", "caf\xC3\xA9"}) {
+    Small all = small();
+    all.add(name, std::vector<std::byte>(4));
+    const auto read = apps::parse_manifest(apps::manifest_json(all.manifest), "test");
+    ASSERT_FALSE(read) << name;
+    EXPECT_NE(read.error().message.find("expected a path below the pack's folder"), std::string::npos) << name;
   }
+}
+
+TEST_F(Models, OfOnePackAreOneOfEachKindAndNoTwoOfAName) {
+  Small twice = small();
+  twice.add("body.i2b", "I2BD", body::kBodyVersion, std::byte{8});
+  expect_refused(packed(twice), "lists body.i2b twice");
+  Small folder_of_a_file = small();
+  folder_of_a_file.add("body.i2b/chart.csv", std::vector<std::byte>(4));
+  expect_refused(packed(folder_of_a_file), "body.i2b is a file and a folder");
+  for (std::size_t missing = 0; missing < 3; ++missing) {
+    Small two = small();
+    two.manifest.files.erase(two.manifest.files.begin() + static_cast<std::ptrdiff_t>(missing));
+    two.contents.erase(two.contents.begin() + static_cast<std::ptrdiff_t>(missing));
+    expect_refused(packed(two), "it lists no ");
+  }
+  Small letters = small();
+  letters.contents[0] = std::vector<std::byte>(8, std::byte{'x'});
+  letters.manifest.files[0] = apps::describe_file("body.i2b", letters.contents[0]);
+  expect_refused(packed(letters), "body.i2b begins with '', expected 'I2BD'");
+  Small claims = small();
+  claims.contents[0] = std::vector<std::byte>(500, std::byte{'x'});  // the manifest claims a body
+  expect_refused(packed(claims), "body.i2b differs from the manifest");
+  EXPECT_FALSE(fs::exists(folder_ + "/data/im2fit/body.i2b"));
+}
+
+TEST_F(Models, NumbersOfAManifestAreWhole) {
+  const std::string text = apps::manifest_json(small().manifest);
+  for (const auto& [from, to] :
+       {std::pair{"\"people\": 3", "\"people\": -1"}, std::pair{"\"people\": 3", "\"people\": 1e300"},
+        std::pair{"\"bytes\": 500", "\"bytes\": -1"}, std::pair{"\"bytes\": 500", "\"bytes\": 1e300"},
+        std::pair{"\"crc32c\": \"", "\"crc32c\": \"0x"}}) {
+    std::string wrong = text;
+    ASSERT_NE(wrong.find(from), std::string::npos) << from;
+    wrong.replace(wrong.find(from), std::strlen(from), to);
+    EXPECT_FALSE(apps::parse_manifest(wrong, "test")) << to;
+  }
+}
+
+// 236 kB held 1.6 GB of zeros.
+TEST_F(Models, NoPackUnpacksToMoreThanModelsHave) {
+  Small claims = small();
+  claims.manifest.files[1].size = claims.manifest.files[2].size = 100U << 20U;
+  expect_refused(packed(claims), "its files have more than 134217728 bytes");
+  claims.manifest.files[1].size = 500;
+  expect_refused(packed(claims), "index.i2f unpacks to 500 bytes, expected 104857600 by the manifest");
+  Small bomb = small();
+  bomb.add("zeros", std::vector<std::byte>(9U << 20U));
+  bomb.manifest.files[3].size = 4;
+  expect_refused(packed(bomb), "zeros unpacks to 9437184 bytes, expected 4 by the manifest");
+  EXPECT_FALSE(fs::exists(folder_ + "/data/im2fit/body.i2b"));
+
+  const char* shared = std::getenv("IM2FIT_SHARED");
+  const std::string cases = std::string(shared != nullptr ? shared : IM2FIT_SHARED_DEFAULT) + "/cases/";
+  if (!fs::exists(cases + "page-pack-bomb"))
+    GTEST_SKIP() << "no " << cases << ": set IM2FIT_SHARED to the shared folder";
+  expect_refused(cases + "page-pack-bomb/bomb6.i2p", "its files have more than");
+  for (const char* name : {"esc.i2p", "n_ctl.i2p"})
+    expect_refused(cases + "page-pack-escape/" + name, "the manifest: ");
+}
+
+TEST_F(Models, WordsOfAPackDoNotReachTheTerminalAsCommands) {
+  Small all = small();
+  all.manifest.version = "1\x1b[31mRED\nim2fit: fake" + std::string(1000, 'x');
+  all.manifest.licence = "\x1b]0;title\a";
+  const std::string pack = packed(all);
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"verify", pack}, {"install", pack}, {"verify"}, {"list"}}) {
+    const test::Run run = models(words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(std::count_if(run.out.begin(), run.out.end(), [](unsigned char c) { return c < 0x20; }), 1) << run.out;
+    EXPECT_EQ(run.out.find('\n'), run.out.size() - 1) << run.out;
+    EXPECT_LT(run.out.size(), 400U);
+  }
+}
+
+// A body of one pack beside a tracker of another measures, and wrongly.
+TEST_F(Models, AFullDiskOrADamagedPackLeavesTheOldOnes) {
+  ASSERT_EQ(models({"install", small_pack(kIndexFormat)}).exit_code, 0);
+  const std::string body = installed("body.i2b"), manifest = installed("models.json");
+  const auto expect_the_old_ones = [&] {
+    EXPECT_EQ(installed("body.i2b"), body);
+    EXPECT_EQ(installed("models.json"), manifest);
+    EXPECT_EQ(models({"verify"}).exit_code, 0);
+    EXPECT_FALSE(fs::exists(folder_ + "/data/im2fit/.models.part"));
+  };
+  Small other = small(kIndexFormat, std::byte{9});
+  other.add("chart.csv", std::vector<std::byte>(5000, std::byte{'x'}));
+  const std::string pack = packed(other);
+  test::RunOptions full = alone();
+  full.file_bytes_max = 4000;  // the models fit, what comes after them does not
+  const test::Run run = test::run_program({test::kProgram, "models", "install", pack}, full);
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.err.find("cannot write "), std::string::npos) << run.err;
+  expect_the_old_ones();
+
+  Small damaged = small(kIndexFormat, std::byte{9});
+  damaged.contents[2][100] = std::byte{1};
+  EXPECT_EQ(models({"install", packed(damaged)}).exit_code, 1);
+  expect_the_old_ones();
+
+  // What a killed install left goes with the next one.
+  fs::create_directories(folder_ + "/data/im2fit/.models.part/size-charts");
+  EXPECT_EQ(models({"install", packed(small(kIndexFormat, std::byte{9}))}).exit_code, 0);
+  EXPECT_NE(installed("body.i2b"), body);
+  EXPECT_EQ(models({"verify"}).exit_code, 0);
+  EXPECT_FALSE(fs::exists(folder_ + "/data/im2fit/.models.part"));
 }
 
 TEST_F(Models, ManualAndCompletionAreOfEveryCommand) {

@@ -82,6 +82,18 @@ TEST_F(SessionsCommand, ListsShowsReplaysAndDeletes) {
   EXPECT_EQ(start({"delete", "../sessions"}, root_).exit_code, 1);
 }
 
+// A result that would end the program when it is printed is taken for none.
+TEST_F(SessionsCommand, MeasuresAgainBesideAResultThatIsNestedTooDeep) {
+  const std::string id = saved();
+  test::write_text(root_ + "/" + id + "/result.json",
+                   "{\"a\": " + std::string(100'000, '[') + std::string(100'000, ']') + "}");
+  const test::Run run = start({"measure", id, "--json"}, root_);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json both = Json::parse(run.out, nullptr, false);
+  EXPECT_TRUE(both["then"].is_null());
+  EXPECT_GT(both["now"]["measurements"].size(), 5U);
+}
+
 TEST_F(SessionsCommand, ADamagedOneIsNamedAndTheOthersAreListed) {
   const std::string id = saved();
   std::filesystem::create_directory(root_ + "/damaged");
@@ -90,7 +102,7 @@ TEST_F(SessionsCommand, ADamagedOneIsNamedAndTheOthersAreListed) {
   EXPECT_EQ(list.exit_code, 0);
   EXPECT_THAT(list.out, HasSubstr(id));
   EXPECT_THAT(list.err, HasSubstr("damaged/session.json"));
-  EXPECT_THAT(Json::parse(start({"list", "--json"}, root_).out)[0]["damage"], HasSubstr("not a JSON object"));
+  EXPECT_THAT(Json::parse(start({"list", "--json"}, root_).out)[0]["damage"], HasSubstr("not JSON"));
 }
 
 }  // namespace

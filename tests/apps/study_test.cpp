@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Simulated sessions, study and calibrate, each program as a shell starts it. The whole loop from people to better
 // numbers is in tests/apps/serve/round_trip_test.cpp.
+#include <algorithm>
 #include <filesystem>
+#include <functional>
 
 #include "depth_folder.h"
 #include "measure_run.h"
@@ -44,6 +46,45 @@ TEST(Study, SimulatedPeopleAreSessionsThatCanBeStudied) {
   const auto learned = lab({"calibrate", sessions, "--out", folder.path("shop.i2c")});
   EXPECT_EQ(learned.exit_code, 1) << "too few people";
   EXPECT_NE(learned.out.find("people with tape values are too few"), std::string::npos) << learned.out;
+}
+
+// One answer of 1e30 mm outweighs everybody else's.
+TEST(Study, AnAbsurdAnswerIsLeftOutByName) {
+  IM2FIT_NEED_DATA();
+  const test::TestFolder folder;
+  const std::string root = folder.path("sessions");
+  const auto simulated =
+      lab(with_models({"simulate-site", root, "--people", "8", "--frames", "5", "--kind", "camera", "--seed", "4"}));
+  ASSERT_EQ(simulated.exit_code, 0) << simulated.err;
+  std::vector<std::string> sessions = test::files_in(root);
+  std::sort(sessions.begin(), sessions.end());
+  ASSERT_GE(sessions.size(), 6U);
+  const std::pair<std::function<void(json&)>, std::string> kFaults[] = {
+      {[](json& j) { j["measurements"]["chest_girth"]["value"] = 1e30; },
+       "result.json: chest_girth has 1e+30, expected 10 to 3000"},
+      {[](json& j) { j["measurements"]["weight"]["interval"][1] = 1e300; },
+       "result.json: weight has 1e+300, expected 10 to 400"},
+      {[](json& j) {
+         j["measurements"]["hip_girth"]["interval"] = {1200, 900};
+       },
+       "result.json: the interval of hip_girth is reversed: 1200 to 900"},
+      {[](json& j) { j["sex"]["female"] = -7; }, "result.json: sex.female is -7, expected 0 to 1"},
+      {[](json& j) { j["state"] = "\x1b[2J" + std::string(1000, 'x'); }, "not measured:  [2Jxxx"}};
+  std::size_t number = 0;
+  for (const auto& [spoil, why] : kFaults) {
+    const std::string path = root + "/" + sessions[number++] + "/result.json";
+    json result = json::parse(test::read_text(path));
+    spoil(result);
+    test::write_text(path, result.dump());
+  }
+  const auto study = lab({"study", root, "--json"});
+  ASSERT_EQ(study.exit_code, 0) << study.err;
+  EXPECT_EQ(json::parse(study.out)["people"], sessions.size() - std::size(kFaults));
+  for (std::size_t i = 0; i < std::size(kFaults); ++i)
+    EXPECT_NE(study.err.find("study: left out " + sessions[i] + ": " + kFaults[i].second), std::string::npos)
+        << kFaults[i].second << "\n"
+        << study.err;
+  EXPECT_EQ(study.err.find('\x1b'), std::string::npos);
 }
 
 TEST(Study, WhatCannotBeSaysWhy) {

@@ -312,14 +312,13 @@ Result<ShardSet> ShardSet::find(std::span<const std::string> folders) {
   for (const std::string& folder : folders) {
     names += (names.empty() ? "" : ", ") + folder;
     std::error_code code;
-    std::filesystem::directory_iterator entries(folder, code);
-    if (code) return Error{ErrorCode::io, folder + ": " + code.message()};
-    for (const auto& entry : entries) {
-      if (entry.path().extension() != kEnding) continue;
-      auto about = about_shard(entry.path().string());
+    for (std::filesystem::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
+      if (it->path().extension() != kEnding) continue;
+      auto about = about_shard(it->path().string());
       if (!about) return about.error();
       set.shards_.push_back(std::move(*about));
     }
+    if (code) return Error{ErrorCode::io, folder + ": " + code.message()};
   }
   if (set.shards_.empty())
     return Error{ErrorCode::not_found, names + ": no shards (*.i2d); make some with im2fit-lab dataset"};

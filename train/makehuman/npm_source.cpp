@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "core/file.h"
-#include "train/makehuman/json_file.h"
+#include "formats/json_file.h"
 #include "train/makehuman/source.h"
 
 namespace im2fit::body::makehuman {

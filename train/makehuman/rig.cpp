@@ -1,18 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/file.h"
-#include "train/makehuman/json_file.h"
+#include "formats/json_file.h"
 #include "train/makehuman/source.h"
 
 namespace im2fit::body::makehuman {
-
-Result<nlohmann::json> read_json(const std::string& path) {
-  auto bytes = read_file(path);
-  if (!bytes) return bytes.error();
-  const auto* text = reinterpret_cast<const char*>(bytes->data());
-  auto json = nlohmann::json::parse(text, text + bytes->size(), nullptr, false);
-  if (json.is_discarded()) return Error{ErrorCode::corrupt, path + ": not JSON (truncated?)"};
-  return json;
-}
 
 Result<Rig> read_rig(const std::string& path) {
   const auto json = read_json(path);

@@ -3,20 +3,25 @@
 
 #include <fmt/format.h>
 #include <lzma.h>
-#include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <cstddef>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <span>
+#include <stdexcept>
 #include <vector>
 
+#include "apps/common/directory.h"
+#include "apps/common/paths.h"
 #include "body/model_data.h"
-#include "core/container.h"
 #include "core/crc32c.h"
-#include "core/file.h"
-#include "core/status.h"
+#include "core/text.h"
+#include "formats/json_file.h"
 #include "index/format.h"
 #include "perception/joints/model_data.h"
 
@@ -42,9 +47,31 @@ Result<std::vector<std::byte>> compress_xz(std::span<const std::byte> bytes) {
   return out;
 }
 
-// `size` is what must come out; more or less is an error, so that a file that claims little cannot fill the memory.
+// What a .xz states at its end to unpack to; 0 where it states nothing.
+std::uint64_t stated_size(std::span<const std::byte> bytes) {
+  constexpr std::size_t kEndBytes = LZMA_STREAM_HEADER_SIZE;
+  lzma_stream_flags flags{};
+  if (bytes.size() < kEndBytes || lzma_stream_footer_decode(&flags, octets(bytes.last(kEndBytes))) != LZMA_OK)
+    return 0;
+  if (flags.backward_size > bytes.size() - kEndBytes) return 0;
+  const auto list_bytes = static_cast<std::size_t>(flags.backward_size);
+  const auto list = bytes.subspan(bytes.size() - kEndBytes - list_bytes, list_bytes);
+  lzma_index* index = nullptr;
+  std::uint64_t memory = std::uint64_t{1} << 20;
+  std::size_t read = 0;
+  if (lzma_index_buffer_decode(&index, &memory, nullptr, octets(list), &read, list.size()) != LZMA_OK) return 0;
+  const std::uint64_t size = lzma_index_uncompressed_size(index);
+  lzma_index_end(index, nullptr);
+  return size;
+}
+
+// `size` is what must come out; more or less is an error. Memory is taken only where the .xz states the same, and
+// never more: neither a manifest nor a .xz that claims much or little can fill it.
 Result<std::vector<std::byte>> decompress_xz(std::span<const std::byte> bytes, std::size_t size,
                                              const std::string& what) {
+  if (const std::uint64_t stated = stated_size(bytes); stated != size)
+    return Error{ErrorCode::corrupt, fmt::format("{} unpacks to {} bytes, expected {} by the manifest; get it again",
+                                                 what, stated, size)};
   std::vector<std::byte> out(size);
   std::uint64_t memory = kUnpackBytesMax;
   std::size_t read = 0, written = 0;
@@ -61,18 +88,21 @@ using Json = nlohmann::ordered_json;
 constexpr char kPackMagic[] = "I2PK";
 constexpr char kSchema[] = "im2fit.models/1";
 constexpr std::size_t kFilesMax = 100;
-constexpr std::uint64_t kFileBytesMax = std::uint64_t{256} << 20;
+constexpr std::size_t kNameBytesMax = 200;
+// Where an install unpacks. No name of a pack begins with a point.
+constexpr char kUnpackedFolder[] = ".models.part";
 constexpr std::size_t kMagicBytes = 4, kHeadBytes = 8;  // magic and version, core/container.h
 
-// What this program reads of its own files.
+// What this program reads of its own files; each pack has one of each.
 struct Known {
   const char* magic;
   const char* name;
+  const char* file;
   std::uint32_t version;
 };
-constexpr Known kKnown[] = {{"I2BD", "body", body::kBodyVersion},
-                            {"I2TR", "tracker", joints::kTrackerVersion},
-                            {"I2FX", "index", index::kVersion}};
+constexpr Known kKnown[] = {{"I2BD", "body", kBodyFile, body::kBodyVersion},
+                            {"I2TR", "tracker", kTrackerFile, joints::kTrackerVersion},
+                            {"I2FX", "index", kIndexFile, index::kVersion}};
 
 const Known* known_of(std::string_view magic) {
   for (const Known& known : kKnown)
@@ -91,22 +121,74 @@ Status check_format(const PackedFile& file, const std::string& what) {
                            older ? "newer pack" : "newer im2fit, or an older pack")};
 }
 
-// Names are written below a directory of ours and nowhere else.
+// Names are written below a directory of ours and nowhere else, and printed.
 bool is_safe_name(const std::string& name) {
-  if (name.empty() || name.front() == '/' || name.back() == '/' || name == kManifestName) return false;
-  for (const auto& part : std::filesystem::path(name))
-    if (part == ".." || part == ".") return false;
-  return name.find('\\') == std::string::npos && name.find('\0') == std::string::npos;
+  if (name.size() > kNameBytesMax || name == kManifestName) return false;
+  for (const char c : name)
+    if (c < 0x20 || c >= 0x7F || c == '\\') return false;
+  for (std::size_t at = 0; at <= name.size();) {
+    const std::size_t end = std::min(name.find('/', at), name.size());
+    if (end == at || name[at] == '.') return false;  // "", ".", "..", and what is hidden
+    at = end + 1;
+  }
+  return true;
+}
+
+// A number of JSON that is no whole number from 0 on throws.
+std::uint64_t whole_number(const Json& json, const char* key) {
+  const Json& value = json.at(key);
+  if (!value.is_number_unsigned()) throw std::invalid_argument(std::string(key) + " is not a whole number from 0 on");
+  return value.get<std::uint64_t>();
+}
+
+std::uint32_t checksum(const std::string& text) {
+  if (text.size() != 8 || text.find_first_not_of("0123456789abcdef") != std::string::npos)
+    throw std::invalid_argument("crc32c is not 8 hexadecimal digits");
+  return static_cast<std::uint32_t>(std::stoul(text, nullptr, 16));
+}
+
+PackedFile parse_file(const Json& entry) {
+  PackedFile file;
+  file.name = entry.at("name");
+  file.size = whole_number(entry, "bytes");
+  file.crc32c = checksum(entry.at("crc32c"));
+  file.magic = entry.value("magic", "");
+  if (entry.contains("format")) file.format = static_cast<std::uint32_t>(whole_number(entry, "format"));
+  return file;
+}
+
+// Sizes, names and kinds: before a byte is unpacked. "" or what is wrong.
+std::string fault_of_files(const std::vector<PackedFile>& files) {
+  if (files.empty() || files.size() > kFilesMax)
+    return fmt::format("it lists {} files, expected 1 to {}", files.size(), kFilesMax);
+  std::set<std::string> names;
+  std::uint64_t sum = 0;
+  for (const PackedFile& file : files) {
+    if (!is_safe_name(file.name))
+      return fmt::format("it lists a file '{}', expected a path below the pack's folder, in letters of ASCII",
+                         excerpt(file.name));
+    if (!names.insert(file.name).second) return fmt::format("it lists {} twice", file.name);
+    if (file.size > kPackBytesMax - sum)
+      return fmt::format("its files have more than {} bytes, which no models have", kPackBytesMax);
+    sum += file.size;
+  }
+  // A file and a folder of one name: "a" and "a/b".
+  for (const std::string& name : names)
+    for (std::size_t at = name.find('/'); at != std::string::npos; at = name.find('/', at + 1))
+      if (names.contains(name.substr(0, at))) return fmt::format("{} is a file and a folder", name.substr(0, at));
+  for (const Known& known : kKnown) {
+    const auto found =
+        std::find_if(files.begin(), files.end(), [&](const auto& file) { return file.name == known.file; });
+    if (found == files.end()) return fmt::format("it lists no {} ({})", known.name, known.file);
+    if (found->magic != known.magic)
+      return fmt::format("{} begins with '{}', expected '{}' of a {}", known.file, excerpt(found->magic), known.magic,
+                         known.name);
+  }
+  return "";
 }
 
 std::string section_name(std::size_t number) {
   return std::to_string(number);
-}
-
-Result<std::string> text_of(const std::string& path) {
-  const auto bytes = read_file(path);
-  if (!bytes) return bytes.error();
-  return std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size());
 }
 
 // A pack of another version of the pack format is not damaged.
@@ -142,38 +224,27 @@ std::string manifest_json(const PackManifest& manifest) {
 }
 
 Result<PackManifest> parse_manifest(const std::string& text, const std::string& what) {
+  const auto read = parse_json<Json>(text, what + ": the manifest");
+  if (!read) return read.error();
+  const Json& json = *read;
   try {
-    const Json json = Json::parse(text);
     if (const std::string schema = json.at("schema"); schema != kSchema)
-      return Error{ErrorCode::unsupported, what + ": the manifest's schema is " + schema + ", expected " + kSchema};
+      return Error{ErrorCode::unsupported,
+                   fmt::format("{}: the manifest's schema is {}, expected {}", what, excerpt(schema), kSchema)};
     PackManifest manifest;
     manifest.version = json.at("version");
     manifest.made_by = json.at("made_by");
     manifest.source = json.at("source");
     manifest.licence = json.at("licence");
-    manifest.people = json.at("people");
+    manifest.people = whole_number(json, "people");
     manifest.clothed = json.at("clothed");
     manifest.provenance = json.at("provenance");
-    for (const Json& entry : json.at("files")) {
-      PackedFile file;
-      file.name = entry.at("name");
-      file.size = entry.at("bytes");
-      file.crc32c = static_cast<std::uint32_t>(std::stoul(entry.at("crc32c").get<std::string>(), nullptr, 16));
-      file.magic = entry.value("magic", "");
-      file.format = entry.value("format", 0U);
-      if (!is_safe_name(file.name) || file.size > kFileBytesMax)
-        return Error{ErrorCode::corrupt, what + ": the manifest lists a file '" + file.name + "' of " +
-                                             std::to_string(file.size) +
-                                             " bytes, expected a path below the pack's folder and at most " +
-                                             std::to_string(kFileBytesMax) + " bytes"};
-      manifest.files.push_back(std::move(file));
-    }
-    if (manifest.files.empty() || manifest.files.size() > kFilesMax)
-      return Error{ErrorCode::corrupt, what + ": the manifest lists " + std::to_string(manifest.files.size()) +
-                                           " files, expected 1 to " + std::to_string(kFilesMax)};
+    for (const Json& entry : json.at("files")) manifest.files.push_back(parse_file(entry));
+    if (const std::string fault = fault_of_files(manifest.files); !fault.empty())
+      return Error{ErrorCode::corrupt, what + ": the manifest: " + fault};
     return manifest;
   } catch (const std::exception& error) {  // of JSON and of numbers
-    return Error{ErrorCode::corrupt, what + ": the manifest cannot be read: " + error.what()};
+    return Error{ErrorCode::corrupt, what + ": the manifest cannot be read: " + excerpt(error.what())};
   }
 }
 
@@ -203,60 +274,128 @@ Result<std::vector<std::byte>> make_pack(const PackManifest& manifest,
   return writer.finish();
 }
 
-Result<ModelPack> read_pack(const std::string& path) {
-  const auto file = MappedFile::open(path);
+Result<ModelPack> open_pack(const std::string& path) {
+  ModelPack pack;
+  pack.path = path;
+  auto file = MappedFile::open(path);
   if (!file) return file.error();
-  if (auto ok = check_pack_version(file->bytes(), path); !ok) return ok.error();
-  const auto container = ContainerReader::parse(file->bytes(), kPackMagic, kPackVersion, path);
+  pack.file = std::move(*file);
+  const auto bytes = pack.file.bytes();
+  if (auto ok = check_pack_version(bytes, path); !ok) return ok.error();
+  if (bytes.size() > kPackBytesMax)
+    return Error{ErrorCode::corrupt, fmt::format("{} has {} bytes, expected at most {}; get the pack again", path,
+                                                 bytes.size(), kPackBytesMax)};
+  auto container = ContainerReader::parse(bytes, kPackMagic, kPackVersion, path);
   if (!container) return container.error();
-  const auto text = container->array<char>("manifest");
+  pack.container = std::move(*container);
+  const auto text = pack.container.array<char>("manifest");
   if (!text) return text.error();
+  if (text->size() > kTextBytesMax)
+    return Error{ErrorCode::corrupt, fmt::format("{}: the manifest has {} bytes, expected at most {}", path,
+                                                 text->size(), kTextBytesMax)};
   auto manifest = parse_manifest(std::string(text->data(), text->size()), path);
   if (!manifest) return manifest.error();
-  ModelPack pack;
   pack.manifest = std::move(*manifest);
   for (const PackedFile& packed : pack.manifest.files)
     if (auto ok = check_format(packed, path); !ok) return ok.error();
-  for (std::size_t i = 0; i < pack.manifest.files.size(); ++i) {
-    const PackedFile& packed = pack.manifest.files[i];
-    const auto bytes = container->section(section_name(i));
-    if (!bytes) return bytes.error();
-    auto content = decompress_xz(*bytes, static_cast<std::size_t>(packed.size), path + ": " + packed.name);
-    if (!content) return content.error();
-    const PackedFile found = describe_file(packed.name, *content);
-    if (found.crc32c != packed.crc32c || found.magic != packed.magic || found.format != packed.format)
-      return Error{ErrorCode::corrupt, path + ": " + packed.name + " differs from the manifest; get the pack again"};
-    pack.contents.push_back(std::move(*content));
-  }
   return pack;
+}
+
+namespace {
+
+Result<std::vector<std::byte>> unpack(const ModelPack& pack, std::size_t number) {
+  const PackedFile& packed = pack.manifest.files[number];
+  const auto bytes = pack.container.section(section_name(number));
+  if (!bytes) return bytes.error();
+  auto content = decompress_xz(*bytes, static_cast<std::size_t>(packed.size), pack.path + ": " + packed.name);
+  if (!content) return content.error();
+  const PackedFile found = describe_file(packed.name, *content);
+  if (found.crc32c != packed.crc32c || found.magic != packed.magic || found.format != packed.format)
+    return Error{ErrorCode::corrupt,
+                 pack.path + ": " + packed.name + " differs from the manifest; get the pack again"};
+  return content;
+}
+
+// Gone with its owner, and what a killed program left with its next one.
+class UnpackedFolder {
+ public:
+  explicit UnpackedFolder(const std::string& directory) : path_(directory + "/" + kUnpackedFolder) { remove(); }
+  ~UnpackedFolder() { remove(); }
+  UnpackedFolder(const UnpackedFolder&) = delete;
+  UnpackedFolder& operator=(const UnpackedFolder&) = delete;
+  std::string path(const std::string& name = "") const { return path_ + "/" + name; }
+
+ private:
+  void remove() const {
+    std::error_code code;
+    std::filesystem::remove_all(path_, code);
+  }
+  const std::string path_;
+};
+
+Status make_parent(const std::string& file) {
+  return make_directory(std::filesystem::path(file).parent_path().string());
+}
+
+Status rename_to(const std::string& from, const std::string& to) {
+  if (std::rename(from.c_str(), to.c_str()) == 0) return Ok{};
+  return Error{ErrorCode::io,
+               fmt::format("cannot rename to {}: {}; install the pack again", to, std::strerror(errno))};
+}
+
+}  // namespace
+
+Status verify_pack(const ModelPack& pack) {
+  for (std::size_t i = 0; i < pack.manifest.files.size(); ++i)
+    if (const auto content = unpack(pack, i); !content) return content.error();
+  return Ok{};
 }
 
 Status install_pack(const ModelPack& pack, const std::string& directory) {
   if (auto ok = make_directory(directory); !ok) return ok;
+  const Directory held(directory + "/.");  // which may be a link
+  if (!held.lock_if_free())
+    return Error{ErrorCode::io, fmt::format("cannot lock {}: {}; is another program installing models there?",
+                                            directory, std::strerror(errno))};
+  const UnpackedFolder unpacked(directory);
+  for (std::size_t i = 0; i < pack.manifest.files.size(); ++i) {
+    const std::string& name = pack.manifest.files[i].name;
+    const auto content = unpack(pack, i);
+    if (!content) return content.error();
+    for (const std::string& file : {unpacked.path(name), directory + "/" + name})
+      if (auto ok = make_parent(file); !ok) return ok;
+    if (auto ok = write_file_atomically(unpacked.path(name), *content); !ok) return ok;
+    std::error_code code;
+    if (std::filesystem::is_directory(directory + "/" + name, code))
+      return Error{ErrorCode::io, directory + "/" + name + " is a directory; move it away"};
+  }
+  if (auto ok = write_file_atomically(unpacked.path(kManifestName), manifest_json(pack.manifest)); !ok) return ok;
+  // From here on nothing is written, so that a full disk stops nothing. The models come last: a name that is new in
+  // its folder may still need room.
   const std::string manifest = directory + "/" + kManifestName;
   std::error_code code;
   std::filesystem::remove(manifest, code);
   if (code) return Error{ErrorCode::io, "cannot remove " + manifest + ": " + code.message()};
-  for (std::size_t i = 0; i < pack.contents.size(); ++i) {
-    const std::filesystem::path path = std::filesystem::path(directory) / pack.manifest.files[i].name;
-    if (auto ok = make_directory(path.parent_path().string()); !ok) return ok;
-    if (auto ok = write_file_atomically(path.string(), pack.contents[i]); !ok) return ok;
-  }
-  return write_file_atomically(manifest, manifest_json(pack.manifest));
+  for (const bool models : {false, true})
+    for (const PackedFile& file : pack.manifest.files)
+      if ((known_of(file.magic) != nullptr) == models)
+        if (auto ok = rename_to(unpacked.path(file.name), directory + "/" + file.name); !ok) return ok;
+  if (!held.sync()) return Error{ErrorCode::io, "cannot write " + directory + ": " + std::strerror(errno)};
+  return rename_to(unpacked.path(kManifestName), manifest);
 }
 
 Result<PackManifest> installed_manifest(const std::string& directory) {
   const std::string path = directory + "/" + kManifestName;
-  const auto text = text_of(path);
-  if (!text) return text.error();
-  return parse_manifest(*text, path);
+  const auto bytes = read_file(path, kTextBytesMax);
+  if (!bytes) return bytes.error();
+  return parse_manifest({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path);
 }
 
 Status verify_installed(const PackManifest& manifest, const std::string& directory) {
   for (const PackedFile& expected : manifest.files) {
     const std::string path = directory + "/" + expected.name;
     if (auto ok = check_format(expected, directory); !ok) return ok;
-    const auto bytes = read_file(path);
+    const auto bytes = read_file(path, kPackBytesMax);
     if (!bytes) return bytes.error();
     const PackedFile found = describe_file(expected.name, *bytes);
     if (found.size != expected.size || found.crc32c != expected.crc32c)

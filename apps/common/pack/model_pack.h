@@ -12,15 +12,19 @@
 #include <string>
 #include <vector>
 
+#include "core/container.h"
+#include "core/file.h"
 #include "core/status.h"
 
 namespace im2fit::apps {
 
 inline constexpr std::uint32_t kPackVersion = 1;
+// Of a pack, and of all its files together when they are unpacked. Models of 1,500 people have 7 and 20 MB.
+inline constexpr std::uint64_t kPackBytesMax = std::uint64_t{128} << 20;
 inline constexpr char kManifestName[] = "models.json";  // beside installed files: which pack they are of
 
 struct PackedFile {
-  std::string name;  // "body.i2b", "size-charts/en13402-3-men.csv"
+  std::string name;  // "body.i2b", "size-charts/en13402-3-men.csv": letters of ASCII, no control characters
   std::uint64_t size = 0;
   std::uint32_t crc32c = 0;
   // Of files of ours, the four letters and the version they begin with; "" and 0 for others.
@@ -40,6 +44,7 @@ struct PackManifest {
 };
 
 std::string manifest_json(const PackManifest& manifest);
+// Nothing in it is beyond a limit, each file has a name of its own, and the three models are there.
 // `what` names the file in errors. Errors: corrupt; unsupported for another schema.
 Result<PackManifest> parse_manifest(const std::string& text, const std::string& what);
 
@@ -49,16 +54,22 @@ PackedFile describe_file(const std::string& name, const std::vector<std::byte>& 
 Result<std::vector<std::byte>> make_pack(const PackManifest& manifest,
                                          const std::vector<std::vector<std::byte>>& contents);
 
-// A pack that was read and is what this program reads. Errors: corrupt where it is damaged; unsupported, naming the
-// file inside and both versions, where it is older or newer.
+// A pack that is what this program reads, by its manifest; its files are still packed.
 struct ModelPack {
+  std::string path;
+  MappedFile file;
+  ContainerReader container;
   PackManifest manifest;
-  std::vector<std::vector<std::byte>> contents;
 };
-Result<ModelPack> read_pack(const std::string& path);
+// Errors: corrupt where it is damaged; unsupported, naming the file inside and both versions, where it is older or
+// newer.
+Result<ModelPack> open_pack(const std::string& path);
+// Unpacks every file, one at a time, and keeps none. Errors: corrupt, naming the file inside.
+Status verify_pack(const ModelPack& pack);
 
-// Writes the files into `directory`, each atomically, the manifest last: until then it is taken away, so that files
-// of two packs are never taken for one set.
+// Unpacks the files into a folder of their own within `directory`, one at a time, then renames each to its place, the
+// manifest last: until then it is taken away, so that files of two packs are never taken for one set. A full disk or
+// a damaged pack leaves the old models. Errors: as verify_pack; io, also while another program installs there.
 Status install_pack(const ModelPack& pack, const std::string& directory);
 
 // The manifest beside installed files. Errors: not_found; as parse_manifest.

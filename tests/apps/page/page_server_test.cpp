@@ -8,7 +8,9 @@
 #include <chrono>
 #include <iterator>
 #include <memory>
+#include <new>
 #include <regex>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -119,6 +121,31 @@ TEST_F(Served, ScriptsOfOthersAreCompressedBeforehandAndKept) {
 }
 
 // Nothing here reads a body: who sends one, of a length or in pieces, is cut off.
+// Answers run in a library in C, through which no exception may go.
+TEST_F(Served, AHandlerThatThrowsFailsAloneAndThePageGoesOn) {
+  PageHandlers handlers;
+  handlers.operate = [](const PageRequest& request) -> PageAnswer {
+    if (request.path == "/operator/state") throw std::runtime_error("as JSON does of text that is no UTF-8");
+    return {200, nullptr, "operated"};
+  };
+  handlers.facts = [](std::string_view, std::string_view) -> PageAnswer { throw std::bad_alloc(); };
+  auto server = PageServer::open({"127.0.0.1", 0}, board_, std::move(handlers));
+  ASSERT_TRUE(server) << server.error().message;
+  server_ = std::move(*server);
+  const std::string origin = server_->url().substr(0, server_->url().size() - 1);
+  for (int i = 0; i < 3; ++i) {
+    const auto thrown = client().Get("/operator/state");
+    ASSERT_TRUE(thrown);
+    EXPECT_EQ(thrown->status, 500);
+    const auto posted =
+        client().Post("/facts", {{"Origin", origin}, {"X-Im2fit-Visit", "1"}}, "{}", "application/json");
+    ASSERT_TRUE(posted);
+    EXPECT_EQ(posted->status, 500);
+    EXPECT_EQ(posted->body, "this failed; reload the page\n");
+  }
+  EXPECT_EQ(client().Get("/operator/form")->status, 200);
+}
+
 TEST_F(Served, WhoSendsABodyIsNotAnswered) {
   EXPECT_TRUE(client().Get("/", {{"Content-Length", "0"}}));
   EXPECT_FALSE(client().Get("/", {{"Content-Length", "5"}}));

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include <filesystem>
+#include <stdexcept>
 #include <thread>
 
 #include "apps/sessions/store.h"
@@ -25,12 +26,10 @@ class Desk : public testing::Test {
     apps::LivePageSettings settings;
     settings.desk.emplace();
     settings.desk->root = root_;
-    settings.desk->site = "shop 3";
+    settings.desk->site = site_;
     settings.desk->settings.frames = 5;
     settings.desk->tape = {{"waist_girth", {{"en", "Waist"}}}};
-    settings.desk->measure = [](const std::string& id) -> Result<Json> {
-      return Json{{"then", nullptr}, {"now", {{"of", id}}}};
-    };
+    settings.desk->measure = measure_;
     page_ = std::make_unique<test::ShownPage>(settings);
     hal::SourceInfo source;
     source.name = "fake";
@@ -81,7 +80,10 @@ class Desk : public testing::Test {
     ASSERT_EQ(phase(), "MEASURED");
   }
   const test::TestFolder folder_;
-  const std::string root_ = folder_.path("sessions");
+  std::string root_ = folder_.path("sessions"), site_ = "shop 3";
+  std::function<Result<Json>(const std::string&)> measure_ = [](const std::string& id) -> Result<Json> {
+    return Json{{"then", nullptr}, {"now", {{"of", id}}}};
+  };
   std::unique_ptr<test::ShownPage> page_;
   std::string token_;
 };
@@ -208,6 +210,48 @@ TEST_F(Desk, AnIdOfTheFormLeadsNowhereElse) {
   EXPECT_EQ(post("/operator/delete", {{"id", id}}).first, 200);
   EXPECT_EQ(entries(), 0U);
   EXPECT_EQ(post("/operator/delete", {{"id", id}}).first, 404);
+}
+
+// Of a shell in Latin-1, and over a folder that holds what ended the program.
+class DeskAmongDamage : public Desk {
+ protected:
+  DeskAmongDamage() {
+    root_ = folder_.path("caf\xe9");
+    site_ = "caf\xe9";
+    std::filesystem::create_directories(root_ + "/deep");
+    const std::string nested = std::string(100'000, '[') + std::string(100'000, ']');
+    test::write_text(root_ + "/deep/session.json", "{\"schema\": " + nested + "}");
+    std::filesystem::create_symlink("loop", root_ + "/loop");
+    std::filesystem::create_directories(root_ + "/.20260101-000000-aaaaaaaa.part/recording");
+  }
+};
+
+TEST_F(DeskAmongDamage, ItIsNamedAndThePageGoesOn) {
+  EXPECT_EQ(entries(), 2U) << "a killed program's recording goes at the start";
+  const Json form = get("/operator/form");
+  EXPECT_EQ(form["site"], "caf\xEF\xBF\xBD");
+  const Json all = get("/operator/sessions");
+  ASSERT_THAT(all, SizeIs(2));
+  EXPECT_THAT(all[1]["damage"], HasSubstr("nested deeper than 64 levels"));
+  EXPECT_THAT(all[0]["damage"], HasSubstr("loop: Too many levels of symbolic links"));
+  EXPECT_EQ(page_->client().Get("/operator/session?id=deep")->status, 400);
+  measured_visit();
+  EXPECT_EQ(post("/operator/save", kForm).first, 202);
+  EXPECT_EQ(job_done()["error"], "");
+  ASSERT_THAT(get("/operator/sessions"), SizeIs(3));
+}
+
+class DeskThatThrows : public Desk {
+ protected:
+  DeskThatThrows() {
+    measure_ = [](const std::string&) -> Result<Json> { throw std::runtime_error("no more memory"); };
+    std::filesystem::create_directories(root_ + "/one");
+  }
+};
+
+TEST_F(DeskThatThrows, TheTaskFailsAndThePageGoesOn) {
+  EXPECT_EQ(post("/operator/measure", {{"id", "one"}}).first, 202);
+  EXPECT_EQ(job_done()["error"], "no more memory");
 }
 
 }  // namespace

@@ -113,12 +113,47 @@ TEST(SessionRecord, ErrorsNameFileAndField) {
       {changed([](Json& j) { j["schema"] = "im2fit.session/2"; }), "expected \"im2fit.session/1\""},
       {changed([](Json& j) { j["notes"] = std::string(5000, 'x'); }), "notes has 5000 bytes"},
       {"[1, 2]", "not a JSON object"},
-      {"{\"schema\": \"im2fit.se", "not a JSON object"}};
+      {"{\"schema\": \"im2fit.se", "not JSON"}};
   for (const auto& [text, expected] : kCases) {
     const auto read = parse_record(text, "a/session.json");
     ASSERT_FALSE(read) << expected;
     EXPECT_THAT(read.error().message, HasSubstr("a/session.json: ")) << expected;
     EXPECT_THAT(read.error().message, HasSubstr(expected));
+  }
+}
+
+std::string nested(std::size_t levels) {
+  return std::string(levels, '[') + std::string(levels, ']');
+}
+
+// 100,000 levels end a program that prints, copies or compares them; 100,000 keys keep it busy for 20 s.
+TEST(SessionRecord, DeepWideAndLongTextsAreRefusedInALine) {
+  const std::string whole = changed([](Json& j) { j["mood"] = "MOOD"; });
+  const auto with_mood = [&](const std::string& value) {
+    return std::string(whole).replace(whole.find("\"MOOD\""), 6, value);
+  };
+  std::string keys = "{\"0\": 0";
+  for (int i = 1; i < 100'000; ++i) keys += ", \"" + std::to_string(i) + "\": 0";
+  const std::pair<std::string, std::string> kCases[] = {
+      {"{\"schema\": " + nested(100'000) + "}", "nested deeper than 64 levels"},
+      {with_mood(nested(100'000)), "nested deeper than 64 levels"},
+      {with_mood("{\"a\\\"\": " + nested(63) + "}"), "nested deeper than 64 levels"},
+      {with_mood(keys + "}"), "has an object of more than 10000 keys"},
+      {with_mood("\"caf\xe9\""), "not JSON"},
+      {changed([](Json& j) { j["schema"] = std::string(100'000, 'x'); }), "schema is \"xxx"},
+      {changed([](Json& j) { j["truth"]["gender"] = std::string(100'000, 'x'); }), "truth.gender is \"xxx"},
+      {changed([](Json& j) { j["truth"]["tape"][std::string(100'000, 'x')] = 3; }), "truth.tape.xxx"},
+      {changed([](Json& j) { j["truth"]["tape"][std::string(100'000, 'x')] = {800}; }), "expected an id"}};
+  for (const auto& [text, expected] : kCases) {
+    const auto read = parse_record(text, "session.json");
+    ASSERT_FALSE(read) << expected;
+    EXPECT_THAT(read.error().message, HasSubstr(expected));
+    EXPECT_LT(read.error().message.size(), 200U) << expected;
+  }
+  for (const std::string& value :
+       {nested(63), "\"" + std::string(1000, '[') + "\\\"{\\\\\"", "[0" + std::string(40'000, ' ') + "]"}) {
+    const auto read = parse_record(with_mood(value), "session.json");
+    EXPECT_TRUE(read) << read.error().message;
   }
 }
 

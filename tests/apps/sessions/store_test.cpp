@@ -127,6 +127,16 @@ TEST_F(SessionStore, WhatAKilledProgramLeftGoesAndWhatIsBeingWrittenStays) {
   EXPECT_TRUE(writing->finish(test::a_record()));
 }
 
+TEST_F(SessionStore, SweepingDeletesWhatAKilledProgramLeftAndNothingElse) {
+  sweep(root_);  // there is none yet
+  const std::string id = saved();
+  auto writing = NewSession::begin(root_);
+  ASSERT_TRUE(writing);
+  fs::create_directories(fs::path(root_) / ".20260101-000000-aaaaaaaa.part" / kRecordingFolder);
+  sweep(root_);
+  EXPECT_THAT(names_in(root_), UnorderedElementsAre("." + writing->id() + ".part", id));
+}
+
 TEST_F(SessionStore, ListsTheOldestFirstAndDamagedOnesWithWhatIsWrong) {
   EXPECT_THAT(*list(root_), IsEmpty());
   const std::string second = saved("2026-05-04T12:30:00Z"), first = saved("2025-05-04T12:30:00Z");
@@ -137,11 +147,23 @@ TEST_F(SessionStore, ListsTheOldestFirstAndDamagedOnesWithWhatIsWrong) {
   ASSERT_TRUE(all) << all.error().message;
   ASSERT_THAT(*all, SizeIs(4));
   EXPECT_EQ((*all)[0].id, "damaged");
-  EXPECT_THAT((*all)[0].damage, HasSubstr("damaged/session.json: not a JSON object"));
+  EXPECT_THAT((*all)[0].damage, HasSubstr("damaged/session.json: not JSON"));
   EXPECT_THAT((*all)[1].damage, HasSubstr("expected the folder's name"));
   EXPECT_EQ((*all)[2].id, first);
   EXPECT_EQ((*all)[3].id, second);
   EXPECT_EQ((*all)[3].damage, "");
+}
+
+TEST_F(SessionStore, ALinkToItselfIsNamedAndTheOthersAreListed) {
+  const std::string id = saved();
+  fs::create_symlink("loop", fs::path(root_) / "loop");
+  const auto all = list(root_);
+  ASSERT_TRUE(all) << all.error().message;
+  ASSERT_THAT(*all, SizeIs(2));
+  EXPECT_EQ((*all)[0].id, "loop");
+  EXPECT_THAT((*all)[0].damage, HasSubstr("sessions/loop: Too many levels of symbolic links"));
+  EXPECT_EQ((*all)[1].id, id);
+  EXPECT_FALSE(list(root_ + "/loop"));
 }
 
 TEST_F(SessionStore, DeletesAllOfOneById) {
