@@ -107,6 +107,17 @@ std::array<double, kErrorCount> error_sds(const index::Answer& answer, const Age
   return sds;
 }
 
+namespace {
+
+// What a turn measures errs by itself: a person whose weight is 3 kg off is not wider than was seen.
+ErrorCorrelation independent_errors() {
+  ErrorCorrelation out{};
+  for (std::size_t i = 0; i < kErrorCount; ++i) out[i][i] = 1;
+  return out;
+}
+
+}  // namespace
+
 std::size_t error_table_of(const index::Answer& answer) {
   return (answer.clothed ? 2U : 0U) + (answer.from == index::AnsweredFrom::front_and_back ? 1U : 0U);
 }
@@ -116,7 +127,8 @@ KnownOutcome condition(const KnownFacts& facts, index::Answer& answer, AgeAnswer
   const KnownFactSet given = facts.given();
   if (given == 0) return outcome;
   const std::array<double, kErrorCount> sds = error_sds(answer, age);
-  Posterior posterior(kErrorCorrelation[error_table_of(answer)]);
+  Posterior posterior(answer.from == index::AnsweredFrom::around ? independent_errors()
+                                                                 : kErrorCorrelation[error_table_of(answer)]);
   const auto take = [&](KnownFact fact, std::size_t error, double off, double sd, bool may_doubt) {
     if ((given & bit_of(fact)) == 0) return;
     const double observed = off / sds[error], variance = sd / sds[error] * (sd / sds[error]);

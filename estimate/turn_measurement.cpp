@@ -154,6 +154,7 @@ bool TurnMeasurement::measure(index::Answer& answer, body::SeenBody& seen) {
     const float half = std::sqrt(spread.half * spread.half + doubts[m] * doubts[m]);
     answer.measurements[m] = {value, value - half, value + half};
   }
+  answer.from = index::AnsweredFrom::around;
   seen = {true, true, fit.shape, fit.poses[0]};
   return true;
 }

@@ -25,8 +25,8 @@ struct IntervalEstimate {
   float high = 0;
 };
 
-// What an answer rests on.
-enum class AnsweredFrom { front, fitted_front, front_and_back };
+// What an answer rests on. around: a turn, which no index answers (estimate/turn_measurement.h).
+enum class AnsweredFrom { front, fitted_front, front_and_back, around };
 
 struct Answer {
   std::array<IntervalEstimate, kMeasurementCount> measurements;

@@ -299,6 +299,8 @@ std::string_view name_of(index::AnsweredFrom from) {
       return "front fit";
     case index::AnsweredFrom::front_and_back:
       return "front+back fit";
+    case index::AnsweredFrom::around:
+      return "around fit";
     case index::AnsweredFrom::front:
       break;
   }
@@ -373,8 +375,7 @@ std::string result_json(const PersonMeasurement& person, const std::optional<Res
   json["source"] = source_json(person.source);
   if (r.measured) json["views"] = std::string(name_of(r.views));
   if (r.measured && r.turned_deg != 0) json["turned_deg"] = rounded(r.turned_deg, 1);
-  if (r.measured)
-    json["estimator"] = std::string(r.views == AnswerViews::around ? "around fit" : name_of(r.answer.from));
+  if (r.measured) json["estimator"] = std::string(name_of(r.answer.from));
   if (r.measured) json["clothing"] = clothing_json(r.answer);
   json["measurements"] = measurements_json(r);
   if (r.measured && person.site != nullptr) json["calibration_site"] = site_json(person);

@@ -131,6 +131,21 @@ TEST_P(KnownFactsOf, TheValueStaysInsideItsInterval) {
   }
 }
 
+TEST(KnownFacts, WhatATurnMeasuredIsNotMovedByAWeight) {
+  const AnsweredPerson before = answered_person(index::AnsweredFrom::around, false);
+  AnsweredPerson p = before;
+  KnownFacts facts;
+  facts.weight_kg = {84, kScaleSdKg};
+  const KnownOutcome outcome = condition(facts, p.answer, p.age);
+  EXPECT_EQ(outcome.used, bit_of(KnownFact::weight));
+  EXPECT_NEAR(p.answer.measurements[kWeight].value, 84, 0.5);
+  for (std::size_t m = 0; m < kMeasurementCount; ++m) {
+    if (m == kWeight) continue;
+    EXPECT_EQ(p.answer.measurements[m].value, before.answer.measurements[m].value) << m;
+    EXPECT_FLOAT_EQ(width(p.answer.measurements[m]), width(before.answer.measurements[m])) << m;
+  }
+}
+
 TEST(KnownFacts, FactsOutOfRangeAreNamed) {
   KnownFacts facts;
   facts.stature_mm = {175, kStatedStatureSdMm};  // centimetres
