@@ -87,7 +87,7 @@ void FitStage::end_moment(const FrameSlot& slot) {
     begin_next();
     if (one_after_another_) before_ = slot.counts;
   } else if (session_.state == SessionState::turning) {
-    end_turning(false, false);
+    end_turning(rules_.around, false);
     result_.state = session_.state;
     count_accumulated();
   } else if (session_.state != SessionState::searching) {
@@ -116,6 +116,7 @@ void FitStage::process(const FrameSlot& slot) {
   view.arms_close = detection.arms_close;
   view.frames_accumulated = stages_.frame_count();
   view.turned_deg = stages_.turned_deg();
+  view.turn_deg_a_period = turn_deg_a_period_;
   if (view.found) view.motion = motion_.step(detection.person.centroid_mm, detection.joints, slot.seconds);
   view.psi = rules_.calibration_psi && view.found && is_psi_pose(detection.joints, floor.up);
 
@@ -168,10 +169,13 @@ bool FitStage::accumulate(const FrameSlot& slot) {
   return offer.measure;
 }
 
+// One that cannot be followed is tried again with the next frame: the person turns on meanwhile.
 void FitStage::follow(const FrameSlot& slot) {
+  if (!stages_.follow(slot.depth, slot.mask, intrinsics_)) return;
+  const float turned_deg = stages_.turned_deg();
+  turn_deg_a_period_ = std::fabs(turned_deg - result_.turned_deg) / static_cast<float>(unfollowed_periods_);
+  result_.turned_deg = turned_deg;
   unfollowed_periods_ = 0;
-  stages_.follow(slot.depth, slot.mask, intrinsics_);
-  result_.turned_deg = stages_.turned_deg();
 }
 
 void FitStage::end_turning(bool with_back, bool ended) {
@@ -195,7 +199,12 @@ void FitStage::measure(bool ended) {
     fault_ = *fault;
     return;
   }
-  const MeasuringStep step = after_measuring(rules_, session_, succeeded, ended);
+  MeasuringStep step = after_measuring(rules_, session_, succeeded, ended);
+  const int front_frames = stages_.frame_count();
+  if (step.turn && !stages_.turn()) {
+    step.turn = false;
+    step.next.state = SessionState::measured;
+  }
   session_ = step.next;
   if (step.forget) forget();
   result_.measured = succeeded && !step.turn;
@@ -217,7 +226,8 @@ void FitStage::measure(bool ended) {
                                                         : AnswerViews::front;
   result_.answer = person.answer;
   result_.uncorrected = person.answer.measurements;
-  if (site_) site_->apply(result_.answer);
+  // A site's correction was learned on fronts (docs/calibration.md).
+  if (site_ && !person.around) site_->apply(result_.answer);
   result_.age = person.age;
   result_.seen = person.seen;
   result_.paper = person.paper;
@@ -227,13 +237,16 @@ void FitStage::measure(bool ended) {
   result_.guidance =
       clothing_ == ClothingGiven::bare && person.answer.clothed ? static_cast<GuidanceSet>(Guidance::clothed) : 0;
   result_.arms_close = 0;
-  if (!step.turn) {
-    take_guidance(result_.guidance);
-    return;
+  if (step.turn) {
+    front_frames_ = front_frames;
+    unfollowed_periods_ = 0;
+    turn_deg_a_period_ = 0;
+    result_.guidance |= static_cast<GuidanceSet>(rules_.around ? Guidance::turn_on : Guidance::turn_round);
+  } else if (rules_.around && !person.around &&
+             front_frames_ > 0) {  // the turn was not used: the front's frames alone
+    stages_.drop_back();
+    front_frames_ = 0;
   }
-  front_frames_ = stages_.frame_count();
-  stages_.turn();
-  result_.guidance |= static_cast<GuidanceSet>(Guidance::turn_round);
   take_guidance(result_.guidance);
 }
 
@@ -258,6 +271,8 @@ void FitStage::end(const ArrivalCounts& counts) {
 void FitStage::reset() {
   stages_.reset_fit();
   front_frames_ = 0;
+  unfollowed_periods_ = 0;
+  turn_deg_a_period_ = 0;
   session_ = {};
   result_ = empty_result(result_.turn);
   chain_.reset();

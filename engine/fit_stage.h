@@ -60,8 +60,9 @@ class FitStage {
   ChainFilter chain_;
   JointFilter steady_;
   MotionFilter motion_;
-  int unfollowed_periods_ = 0;  // since the last picture of a turn
-  int front_frames_ = 0;        // accumulated before TURNING; 0 while the front is being accumulated
+  int unfollowed_periods_ = 0;   // since the last picture of a turn
+  float turn_deg_a_period_ = 0;  // between the last two
+  int front_frames_ = 0;         // accumulated before TURNING; 0 while the front is being accumulated
   std::optional<Error> fault_;
   const bool one_after_another_;
   bool leaving_ = false;

@@ -14,7 +14,7 @@ namespace im2fit {
 // The result of a session.
 struct MeasuredPerson {
   index::Answer answer;
-  bool around = false;  // it rests on a turn, too
+  bool around = false;  // the answer rests on a turn, too
   AgeAnswer age;
   body::SeenBody seen;
   MeasurementValues paper{};
@@ -49,10 +49,11 @@ class FrameStages {
   virtual const Error* fault() const { return nullptr; }
   // With Turn::around, from turn() on: the next picture of the person who turns. False: too little is seen.
   virtual bool follow(DepthView /*depth*/, MaskView /*mask*/, const Intrinsics& /*intrinsics*/) { return false; }
+  // The farthest that the person has turned, + to the own left.
   virtual float turned_deg() const { return 0; }
   // Keeps the accumulated frames as the front and accumulates the back from now on; measure() then measures both.
-  // Called only with EngineSettings::turn.
-  virtual void turn() = 0;
+  // Called only with EngineSettings::turn. False: this person cannot be measured from more sides than the front.
+  virtual bool turn() = 0;
   // Forgets the back: measure() and frame_count() mean the front alone again, until turn() begins the back anew.
   virtual void drop_back() = 0;
   virtual void reset_fit() = 0;  // forgets both sides

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -41,8 +42,8 @@ class ProductionStages final : public SensingStages {
           .apply(person.answer);
     person.age = answer->age;
     person.seen = answer->seen;
-    // A person in clothes would be measured in the clothes.
-    person.around = around_ && !person.answer.clothed && around_->farthest_deg() >= kTurnEnoughDeg &&
+    clothed_ = person.answer.clothed;
+    person.around = following_ && std::fabs(around_->turned_deg()) >= kTurnEnoughDeg &&
                     around_->measure(person.answer, person.seen);
     seen_ = answer->seen;
     joints_ = described.joints;
@@ -53,11 +54,14 @@ class ProductionStages final : public SensingStages {
     return true;
   }
 
-  void turn() override {
-    SensingStages::turn();
+  bool turn() override {
+    if (!around_) return SensingStages::turn();
     followed_ = 0;
-    following_ =
-        around_ && around_->begin({seen_, joints_, floor_, front().depth_q4(), front().mask(), front().intrinsics()});
+    // A person in clothes would be measured in the clothes. What edges restored from a blending driver do to an
+    // outline seen from the side is not known.
+    following_ = !clothed_ && !edges_restored() &&
+                 around_->begin({seen_, joints_, floor_, front().depth_q4(), front().mask(), front().intrinsics()});
+    return following_;
   }
   bool follow(DepthView depth, MaskView mask, const Intrinsics& intrinsics) override {
     if (!following_ || !around_->follow(depth, mask, intrinsics)) return false;
@@ -92,6 +96,7 @@ class ProductionStages final : public SensingStages {
   body::SeenBody seen_;
   JointSet joints_;
   FloorPlane floor_;
+  bool clothed_ = false;
   bool following_ = false;
   int followed_ = 0;
 };
@@ -112,10 +117,10 @@ Result<std::unique_ptr<FrameStages>> make_production_stages(int width, int heigh
     return Error{
         ErrorCode::unsupported,
         "people in clothes are measured by a fitted shape, which needs the body file the index was made with"};
-  if (options.turn == Turn::around && (options.body == nullptr || options.body->shape_space().point_count == 0))
+  if (options.turn == Turn::around && (options.body == nullptr || !RefinedQuery::fits(index, options.shape_space)))
     return Error{ErrorCode::invalid_argument,
-                 "a turn is measured with the body file the index was made with; none is given, or it has no shape "
-                 "space (im2fit-lab fetch adds it)"};
+                 "a turn all round is measured with the body file the index was made with; none is given, or it is "
+                 "another"};
   return std::unique_ptr<FrameStages>(std::make_unique<ProductionStages>(width, height, joint_model, index, options));
 }
 

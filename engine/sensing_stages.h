@@ -38,9 +38,10 @@ class SensingStages : public FrameStages {
   }
   int frame_count() const override { return turned_ ? back_->frame_count() : front_.frame_count(); }
   bool measure(MeasuredPerson& /*person*/) override { return false; }
-  void turn() override {
+  bool turn() override {
     turned_ = back_.has_value();
     if (turned_) back_->reset();
+    return turned_;
   }
   void drop_back() override { turned_ = false; }
   void reset_fit() override {

@@ -95,15 +95,8 @@ SessionStep on_turning_round(const SessionRules& rules, SessionStep step, const 
   Session& next = step.next;
   step.guidance &= kWhileTurning;
   step.follow = step.guidance == 0;
-  const auto size = [](float deg) { return deg < 0 ? -deg : deg; };
-  const float turned = size(view.turned_deg);
-  next.unfollowed_periods += view.periods;
-  if (view.turned_deg != next.turned_deg) {
-    const float per_period = size(view.turned_deg - next.turned_deg) / static_cast<float>(next.unfollowed_periods);
-    next.turns_fast = per_period > rules.turn_slower_deg;
-    next.turned_deg = view.turned_deg;
-    next.unfollowed_periods = 0;
-  }
+  const float turned = view.turned_deg < 0 ? -view.turned_deg : view.turned_deg;
+  next.turns_fast = view.turn_deg_a_period > (next.turns_fast ? rules.turn_slow_deg : rules.turn_slower_deg);
   if (turned >= next.farthest_deg + rules.turn_progress_deg) {
     next.farthest_deg = turned;
     next.turning_periods = 0;
@@ -230,8 +223,6 @@ MeasuringStep after_measuring(const SessionRules& rules, const Session& session,
     step.next.turning_periods = 0;
     step.next.turned = false;
     step.next.farthest_deg = 0;
-    step.next.turned_deg = 0;
-    step.next.unfollowed_periods = 0;
     step.next.turns_fast = false;
     return step;
   }
@@ -245,6 +236,8 @@ MeasuringStep after_measuring(const SessionRules& rules, const Session& session,
 }
 
 bool measure_at_end(const SessionRules& rules, const Session& session, int frames_accumulated) {
+  // Whether the turn so far is enough is the stages' to say.
+  if (session.state == SessionState::turning && rules.around) return true;
   return session.state != SessionState::measured && frames_accumulated > 0 &&
          frames_accumulated >= rules.frames_min && !mostly_close(session.arms.session);
 }

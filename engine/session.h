@@ -47,11 +47,13 @@ struct SessionRules {
   // hands tremble by 180.
   float body_speed_max_mm_s = 60;
   float limb_speed_max_mm_s = 300;
-  float body_speed_plain_mm_s = 150;    // movement that is reported beside other guidance
-  float turn_whole_deg = 330;           // people leave out the end
-  float turn_progress_deg = 10;         // less is no progress: a person who stands sways
-  float turn_slower_deg = 200.0F / 30;  // a period; follow() needs pictures at most 25 degrees apart, 10 a second
-  int attempts_max = 8;                 // beginnings after the first, by loss or by a pose that changed
+  float body_speed_plain_mm_s = 150;  // movement that is reported beside other guidance
+  float turn_whole_deg = 330;         // people leave out the end
+  float turn_progress_deg = 10;       // less is no progress: a person who stands sways
+  // Of a period. follow() needs pictures at most 25 degrees apart, ten a second. Once said, until it is plainly
+  // slower.
+  float turn_slower_deg = 200.0F / 30, turn_slow_deg = 120.0F / 30;
+  int attempts_max = 8;  // beginnings after the first, by loss or by a pose that changed
 };
 
 struct Session {
@@ -65,11 +67,9 @@ struct Session {
   int turning_periods = 0;  // in TURNING
   bool turned = false;      // in TURNING: the back has been seen, and no front since
   float farthest_deg = 0;   // in TURNING, around
-  float turned_deg = 0;     // the same: as followed last, so many periods ago
-  int unfollowed_periods = 0;
-  bool turns_fast = false;
-  int user = 0;     // the user of the latest frame that counted, in FIT's time; 0 before USER_FOUND
-  ArmsMemory arms;  // of that user, since USER_FOUND; in TURNING: since the back was seen
+  bool turns_fast = false;  // the same
+  int user = 0;             // the user of the latest frame that counted, in FIT's time; 0 before USER_FOUND
+  ArmsMemory arms;          // of that user, since USER_FOUND; in TURNING: since the back was seen
 };
 
 // The part of a Detection the session uses.
@@ -83,7 +83,8 @@ struct SessionView {
   Motion motion = {};
   int frames_accumulated = 0;  // before this frame; in TURNING: of the back
   ArmSet arms_close = 0;
-  float turned_deg = 0;  // in TURNING, around
+  float turned_deg = 0;         // in TURNING, around: the farthest, signed
+  float turn_deg_a_period = 0;  // the same: speed at the last picture followed
 };
 
 struct SessionStep {

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <vector>
 
 #include "body/fit/point_mesh.h"
@@ -18,6 +17,9 @@ namespace {
 
 constexpr std::size_t kViews = body::kTurnViewMax;
 constexpr float kApartDeg = 360.0F / kViews;
+// Mean distance of a picture's surface from the fitted body: 2 to 4 mm of people who turn as they are asked to. More
+// is a picture that was followed wrong, or a person who moved the arms on to the body.
+constexpr float kSurfaceMaxMm = 10;
 
 // Of what a turn measures: mean error, subtracted, and half of the 95 % interval, mm and kg. From people of ansur
 // (`im2fit-lab eval-turn --family ansur --subjects 60`); 0: the front's answer stays.
@@ -91,7 +93,7 @@ struct TurnMeasurement::Work {
   std::vector<std::uint8_t> mask;
   std::array<body::TurnView, kViews> views{};
   std::size_t view_count = 0;  // 0: nothing has begun
-  float farthest_deg = 0;
+  float farthest_deg = 0;      // signed
 };
 
 TurnMeasurement::TurnMeasurement(const body::BodyModel& model, int width, int height)
@@ -120,18 +122,14 @@ bool TurnMeasurement::follow(DepthView depth, MaskView mask, const Intrinsics& i
   const auto pixels = static_cast<std::size_t>(depth.width) * static_cast<std::size_t>(depth.height);
   if (w.view_count == 0 || pixels > w.pixel_count) return false;
   if (!w.fitter.follow({depth, 1, mask, intrinsics})) return false;
-  w.farthest_deg = std::max(w.farthest_deg, std::fabs(w.fitter.turned_deg()));
-  if (w.view_count < kViews && w.farthest_deg >= kApartDeg * static_cast<float>(w.view_count))
+  if (std::fabs(w.fitter.turned_deg()) > std::fabs(w.farthest_deg)) w.farthest_deg = w.fitter.turned_deg();
+  if (w.view_count < kViews && std::fabs(w.farthest_deg) >= kApartDeg * static_cast<float>(w.view_count))
     w.keep(depth, mask, intrinsics);
   return true;
 }
 
 float TurnMeasurement::turned_deg() const {
-  return work_->view_count == 0 ? 0 : work_->fitter.turned_deg();
-}
-
-float TurnMeasurement::farthest_deg() const {
-  return work_->view_count == 0 ? 0 : work_->farthest_deg;
+  return work_->farthest_deg;
 }
 
 bool TurnMeasurement::measure(index::Answer& answer, body::SeenBody& seen) {
@@ -139,6 +137,8 @@ bool TurnMeasurement::measure(index::Answer& answer, body::SeenBody& seen) {
   if (w.view_count == 0) return false;
   const body::TurnFit& fit = w.fitter.run(std::span(w.views).first(w.view_count));
   if (!fit.valid) return false;
+  for (std::size_t v = 0; v < w.view_count; ++v)
+    if (fit.surface_mm[v] > kSurfaceMaxMm) return false;
   body::Params base;
   base.gender = answer.female >= 0.5F ? 0.0F : 1.0F;
   w.model.morph(base, w.mesh);

@@ -36,8 +36,7 @@ class TurnMeasurement {
   void reset();
   // The next picture, ten a second or more. False: too little of the person is seen; the next one may be better.
   bool follow(DepthView depth, MaskView mask, const Intrinsics& intrinsics);
-  float turned_deg() const;    // + to the person's left; 0 before begin()
-  float farthest_deg() const;  // as far as the person turned, to either side
+  float turned_deg() const;  // the farthest to either side, + to the person's left; 0 before begin()
 
   // Fits the kept pictures and puts the girths, stature and weight of the body found, with their intervals, into
   // `answer`, and its shape and pose into `seen`; both are the front's. False, and nothing changed: the fit failed.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one reader of JSON that others wrote, and the one way to write text of others as JSON. A header alone: each
+// The one reader of JSON that others wrote, and the one way to write text from outside as JSON. A header alone: each
 // program links nlohmann-json itself.
 #pragma once
 
@@ -17,14 +17,14 @@ namespace im2fit {
 // 200 kB of text, end the program for want of stack.
 inline constexpr std::size_t kJsonDepthMax = 64;
 // Keys of one object; MakeHuman's list of targets has some thousand. Ordered objects look a key up one by one: 95,000
-// keys, 900 kB of text, take 20 s.
+// keys, 900 kB of text, take 20 s. So the squares of the counts may together not be more than this one's.
 inline constexpr std::size_t kJsonKeysMax = 10'000;
 
-// What of a text is beyond the limits, "" for nothing. Looks at brackets, commas and quotes alone: the parser finds
+// The limit that a text exceeds, or "". Looks at brackets, commas and quotes alone: the parser finds
 // what is no JSON, and takes no more stack for more levels.
 inline std::string json_excess(std::string_view text) {
   std::array<std::size_t, kJsonDepthMax> commas{};
-  std::size_t depth = 0;
+  std::size_t depth = 0, cost = 0;
   bool quoted = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
@@ -37,8 +37,10 @@ inline std::string json_excess(std::string_view text) {
       commas[depth++] = c == '{' ? 0 : SIZE_MAX;
     }
     if ((c == ']' || c == '}') && depth > 0) --depth;
-    if (c == ',' && depth > 0 && commas[depth - 1] != SIZE_MAX && ++commas[depth - 1] >= kJsonKeysMax)
-      return "has an object of more than " + std::to_string(kJsonKeysMax) + " keys";
+    if (c != ',' || depth == 0 || commas[depth - 1] == SIZE_MAX) continue;
+    cost += 2 * ++commas[depth - 1] + 1;
+    if (commas[depth - 1] >= kJsonKeysMax || cost > kJsonKeysMax * kJsonKeysMax)
+      return "has an object of more than " + std::to_string(kJsonKeysMax) + " keys, or many of nearly as many";
   }
   return "";
 }

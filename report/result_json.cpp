@@ -339,8 +339,8 @@ GuidanceSet reported_guidance(const PersonMeasurement& person) {
   const EngineResult& result = person.result;
   if (!result.measured || result.views != AnswerViews::front) return set;
   if (result.turn == Turn::back) set |= static_cast<GuidanceSet>(Guidance::turn_round);
-  // A dressed person may have turned enough.
-  if (result.turn == Turn::around && std::fabs(result.turned_deg) < kTurnEnoughDeg)
+  // front_measured: a turn was asked for.
+  if (result.turn == Turn::around && result.front_measured && std::fabs(result.turned_deg) < kTurnEnoughDeg)
     set |= static_cast<GuidanceSet>(Guidance::turn_on);
   return set;
 }
@@ -378,7 +378,8 @@ std::string result_json(const PersonMeasurement& person, const std::optional<Res
   if (r.measured) json["estimator"] = std::string(name_of(r.answer.from));
   if (r.measured) json["clothing"] = clothing_json(r.answer);
   json["measurements"] = measurements_json(r);
-  if (r.measured && person.site != nullptr) json["calibration_site"] = site_json(person);
+  if (r.measured && person.site != nullptr && r.views != AnswerViews::around)
+    json["calibration_site"] = site_json(person);
   if (r.measured && r.known.given() != 0) json["known"] = known_json(r);
   if (r.measured) json["sex"] = {{"female", rounded(r.answer.female, kTenThousandths)}};
   if (r.measured) json["age"] = age_json(r.age);

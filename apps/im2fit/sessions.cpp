@@ -101,10 +101,14 @@ Result<int> run_show(const SessionsOptions& options) {
 }
 
 double value_in(const Json& result, const std::string& id) {
-  if (!result.is_object() || !result.contains("measurements") || !result["measurements"].contains(id))
-    return std::nan("");
-  const Json& value = result["measurements"][id]["value"];
-  return value.is_number() ? value.get<double>() : std::nan("");
+  const Json* at = &result;
+  for (const std::string& key : {std::string("measurements"), id, std::string("value")}) {
+    if (!at->is_object()) return std::nan("");
+    const auto found = at->find(key);
+    if (found == at->end()) return std::nan("");
+    at = &*found;
+  }
+  return at->is_number() ? at->get<double>() : std::nan("");
 }
 
 std::string comparison(const Remeasured& done) {

@@ -279,7 +279,7 @@ void OperatorDesk::start_job(const std::string& kind, const std::string& id, std
     const std::lock_guard lock(mutex_);
     job_ = {kind, id, "", nullptr, true};
   }
-  job_thread_ = std::thread([this, kind, id, work = std::move(work)] {
+  auto run = [this, kind, id, work = std::move(work)] {
     Job job{kind, id, "", nullptr, false};
     try {
       work(job);
@@ -288,7 +288,13 @@ void OperatorDesk::start_job(const std::string& kind, const std::string& id, std
     }
     const std::lock_guard lock(mutex_);
     job_ = std::move(job);
-  });
+  };
+  try {
+    job_thread_ = std::thread(std::move(run));
+  } catch (const std::exception& error) {  // no thread is left: the operator may try again
+    const std::lock_guard lock(mutex_);
+    job_ = {kind, id, error.what(), nullptr, false};
+  }
 }
 
 PageAnswer OperatorDesk::picture(const std::string& id, const std::string& number) const {

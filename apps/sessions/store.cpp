@@ -178,7 +178,7 @@ Result<std::vector<Listed>> list(const std::string& root) {
     std::error_code fault;  // of this one alone: a link to itself, a disk that fails
     if (!is_id(id) || (!it->is_directory(fault) && !fault)) continue;
     if (fault) {
-      all.push_back({id, {}, fmt::format("{}/{}: {}; delete it", root, id, fault.message())});
+      all.push_back({id, {}, fmt::format("{}/{}: {}", root, id, fault.message())});
       continue;
     }
     auto record = read(root, id);

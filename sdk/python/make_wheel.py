@@ -33,7 +33,7 @@ def main(library_path, out):
     files[f"{info}/licenses/NOTICE"] = (ROOT / "NOTICE").read_bytes()
     files[f"{info}/METADATA"] = (
         f"Metadata-Version: 2.1\nName: im2fit\nVersion: {version}\nSummary: Body measurements from a depth camera\n"
-        "License: Apache-2.0\nRequires-Python: >=3.9\nRequires-Dist: numpy\nClassifier: Typing :: Typed\n"
+        "License: Apache-2.0\nRequires-Python: >=3.9\nRequires-Dist: numpy>=1.20\nClassifier: Typing :: Typed\n"
         "Description-Content-Type: text/markdown\n\n" +
         (HERE / "README.md").read_text()).encode()
     files[f"{info}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: im2fit\nRoot-Is-Purelib: false\nTag: {tag}\n".encode()

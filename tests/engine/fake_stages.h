@@ -72,6 +72,7 @@ class FakeStages : public FrameStages {
     std::atomic<int> fit_delay_us{0};
     std::atomic<bool> describable{true};
     std::atomic<bool> back_describable{true};
+    std::atomic<bool> turns{true};     // false: the person cannot be measured from more sides
     std::atomic<bool> damaged{false};  // the index, where the person measured would read it
   };
   explicit FakeStages(Control& control) : control_(control) {}
@@ -121,6 +122,14 @@ class FakeStages : public FrameStages {
     if (!turned_) joints_ = detection.joints;
     return 0;
   }
+  // A shot's value is how far the person has turned.
+  bool follow(DepthView depth, MaskView, const Intrinsics&) override {
+    if (!turned_) return false;
+    ++back_.frame_count;
+    turned_deg_ = depth.at(5, 5);
+    return true;
+  }
+  float turned_deg() const override { return turned_deg_; }
   int frame_count() const override { return turned_ ? back_.frame_count : front_.frame_count; }
   bool measure(MeasuredPerson& person) override {
     ++control_.measure_calls;
@@ -136,6 +145,7 @@ class FakeStages : public FrameStages {
       person.answer.measurements[i] = {value, value - 10, value + 10};
       person.paper[i] = value + 0.5F;
     }
+    person.around = turned_ && turned_deg_ >= kTurnEnoughDeg;
     person.answer.female = 0.25F;
     person.age = {{40, 20, 70}, {0.125F, 0.5F, 0.25F, 0.125F}};
     person.answer.nearest = 7;
@@ -145,9 +155,11 @@ class FakeStages : public FrameStages {
     return true;
   }
   const Error* fault() const override { return fault_ ? &*fault_ : nullptr; }
-  void turn() override {
-    turned_ = true;
+  bool turn() override {
+    turned_ = control_.turns;
+    turned_deg_ = 0;
     back_ = {};
+    return turned_;
   }
   void drop_back() override { turned_ = false; }
   void reset_fit() override {
@@ -170,6 +182,7 @@ class FakeStages : public FrameStages {
   };
   Side front_, back_;
   bool turned_ = false;
+  float turned_deg_ = 0;  // around
   std::optional<Error> fault_;
   JointSet joints_;
   std::uint16_t fused_ = 16;

@@ -388,9 +388,10 @@ SessionRules around_rules() {
   r.around = true;
   return r;
 }
-SessionView turned(float deg, GuidanceSet guidance = 0, int periods = 3) {
+SessionView turned(float deg, GuidanceSet guidance = 0, int periods = 3, float deg_a_period = 0) {
   SessionView view = from(ViewSide::side, guidance);
   view.turned_deg = deg;
+  view.turn_deg_a_period = deg_a_period;
   view.periods = periods;
   return view;
 }
@@ -409,8 +410,8 @@ TEST(TurningAround, AsksForTheTurnUntilItIsWhole) {
       {"stands", turned(0), kTurnOn, true, false},
       {"turns", turned(15), kTurnOn, true, false},
       {"to the other side", turned(-15), kTurnOn, true, false},
-      {"21 degrees in a tenth of a second", turned(21), kTurnSlower, true, false},
-      {"as far in two", turned(21, 0, 6), kTurnOn, true, false},
+      {"21 degrees in a tenth of a second", turned(21, 0, 3, 7), kTurnSlower, true, false},
+      {"as far in two", turned(21, 0, 3, 3.5F), kTurnOn, true, false},
       {"is seen from the side, with the arms at the trunk", turned(15, kNotFrontal | kArms), kTurnOn, true, false},
       {"goes too near", turned(15, kNear), kNear | kTurnOn, false, false},
       {"has turned all round", turned(331, 0, 300), 0, true, true},
@@ -440,6 +441,23 @@ TEST(TurningAround, WaitsForProgressAndNoLonger) {
   EXPECT_FALSE(step.measure);
   step = on_detection(around_rules(), step.next, turned(26, 0, 1));
   EXPECT_TRUE(step.measure) << "stands for more than turn_wait_periods_max";
+}
+
+TEST(TurningAround, AsksForASlowerTurnUntilItIsPlainlySlower) {
+  Session session = in_turning(false);
+  for (const auto& [speed, slower] :
+       {std::pair{6.0F, false}, {7.0F, true}, {6.0F, true}, {3.0F, false}, {6.0F, false}}) {
+    const SessionStep step = on_detection(around_rules(), session, turned(90, 0, 3, speed));
+    EXPECT_EQ(has(step.guidance, Guidance::turn_slower), slower) << speed;
+    EXPECT_EQ(has(step.guidance, Guidance::turn_on), !slower) << speed;
+    session = step.next;
+  }
+}
+
+TEST(TurningAround, EveryTurnIsOfferedAtTheEnd) {
+  Session session = in_turning(false);
+  session.arms.session = {9, 9};
+  EXPECT_TRUE(measure_at_end(around_rules(), session, 1));
 }
 
 TEST(TurningAround, WhoLeavesIsMeasuredWithTheTurnSoFar) {

@@ -201,6 +201,67 @@ TEST_P(TurnThreading, AFrameGapEndsTheTurnWithTheFront) {
   EXPECT_EQ(rig.engine->result().frames_used, 10U);
 }
 
+// Of a rig whose person stood for the front and then turned by a degree a frame.
+EngineResult turned_by(int degrees, bool single, bool gap = false) {
+  EngineSettings settings = with(single);
+  settings.turn = Turn::around;
+  Rig rig(settings);
+  for (int i = 0; i < 10; ++i) rig.push({.value = 2000});
+  for (int i = 1; i <= degrees; ++i) rig.push({.value = static_cast<std::uint16_t>(i), .view = ViewSide::side});
+  if (gap) {
+    rig.next += 200;
+    rig.push({.value = 1, .view = ViewSide::side});
+  }
+  rig.engine->finish();
+  return rig.engine->result();
+}
+
+TEST_P(TurnThreading, APersonWhoTurnsAllRoundIsMeasuredSo) {
+  constexpr std::size_t kTurnOnBit = 15;
+  const EngineResult whole = turned_by(400, GetParam());
+  EXPECT_TRUE(whole.measured);
+  EXPECT_EQ(whole.views, AnswerViews::around);
+  EXPECT_EQ(whole.guidance, 0U);
+  EXPECT_EQ(whole.guidance_frames[kTurnRoundBit], 0U) << "from the first frame of the turn on";
+  EXPECT_GT(whole.guidance_frames[kTurnOnBit], 300U);
+  EXPECT_GE(whole.turned_deg, 330);
+  EXPECT_LT(whole.turned_deg, 340) << "it ends by itself";
+  EXPECT_EQ(whole.frames_used, 10U + whole.frames_back);
+  EXPECT_EQ(whole.frames_back, 110U) << "each third frame";
+}
+
+TEST_P(TurnThreading, ATurnCountsFromWhereItIsEnoughOn) {
+  for (const bool gap : {false, true}) {
+    SCOPED_TRACE(gap);
+    const EngineResult enough = turned_by(200, GetParam(), gap);
+    EXPECT_EQ(enough.views, AnswerViews::around);
+    EXPECT_GT(enough.frames_back, 60U);
+    const EngineResult less = turned_by(100, GetParam(), gap);
+    EXPECT_TRUE(less.measured);
+    EXPECT_EQ(less.views, AnswerViews::front);
+    EXPECT_EQ(less.frames_used, 10U);
+    EXPECT_EQ(less.frames_back, 0U);
+    EXPECT_EQ(less.turned_deg, 99);
+  }
+}
+
+TEST_P(TurnThreading, WhoCannotBeMeasuredAllRoundIsNotAskedToTurn) {
+  EngineSettings settings = with(GetParam());
+  settings.turn = Turn::around;
+  bool turning = false;
+  settings.watch = [&](const FrameSeen& frame) { turning = turning || frame.result.state == SessionState::turning; };
+  Rig rig(settings);
+  rig.control.turns = false;
+  for (int i = 0; i < 12; ++i) rig.push({.value = 2000});
+  rig.engine->finish();
+  const EngineResult r = rig.engine->result();
+  EXPECT_TRUE(r.measured);
+  EXPECT_FALSE(r.front_measured);
+  EXPECT_EQ(r.frames_seen, 10U);
+  EXPECT_EQ(r.views, AnswerViews::front);
+  EXPECT_FALSE(turning);
+}
+
 TEST_P(TurnThreading, WithoutATurnRequestedABackIsRefusedAsBefore) {
   Rig rig(with(GetParam()));
   for (int i = 0; i < 9; ++i) rig.push({.value = 2000});

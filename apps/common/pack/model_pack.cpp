@@ -123,7 +123,7 @@ Status check_format(const PackedFile& file, const std::string& what) {
 
 // Names are written below a directory of ours and nowhere else, and printed.
 bool is_safe_name(const std::string& name) {
-  if (name.size() > kNameBytesMax || name == kManifestName) return false;
+  if (name.size() > kNameBytesMax || name.substr(0, name.find('/')) == kManifestName) return false;
   for (const char c : name)
     if (c < 0x20 || c >= 0x7F || c == '\\') return false;
   for (std::size_t at = 0; at <= name.size();) {
@@ -376,9 +376,13 @@ Status install_pack(const ModelPack& pack, const std::string& directory) {
   std::error_code code;
   std::filesystem::remove(manifest, code);
   if (code) return Error{ErrorCode::io, "cannot remove " + manifest + ": " + code.message()};
-  for (const bool models : {false, true})
+  // The body last: tracker and index name each other, so that those of two packs are refused.
+  const auto turn_of_file = [](const PackedFile& file) {
+    return known_of(file.magic) == nullptr ? 0 : file.magic == kKnown[0].magic ? 2 : 1;
+  };
+  for (const int turn : {0, 1, 2})
     for (const PackedFile& file : pack.manifest.files)
-      if ((known_of(file.magic) != nullptr) == models)
+      if (turn_of_file(file) == turn)
         if (auto ok = rename_to(unpacked.path(file.name), directory + "/" + file.name); !ok) return ok;
   if (!held.sync()) return Error{ErrorCode::io, "cannot write " + directory + ": " + std::strerror(errno)};
   return rename_to(unpacked.path(kManifestName), manifest);

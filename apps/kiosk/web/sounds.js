@@ -63,6 +63,7 @@ class Sounds {
   mark(code) {
     if (!this.on) return;
     this.played.push(code);
+    if (this.played.length > 100) this.played.shift();
     this.play(kTones[code]);
   }
   play(tones) {

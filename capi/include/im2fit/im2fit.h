@@ -151,7 +151,7 @@ enum {
 enum {
   IM2FIT_TURN_NONE = 0,  /* nothing */
   IM2FIT_TURN_BACK = 1,  /* the back, once the person has turned it to the camera */
-  IM2FIT_TURN_AROUND = 2 /* all round, the most accurate: one slow turn on the spot; needs body_path */
+  IM2FIT_TURN_AROUND = 2 /* all round: one slow turn on the spot. Waist, hip and weight gain most; needs body_path */
 };
 
 /* What the person wears. */
@@ -411,8 +411,8 @@ enum {
    * im2fit_reset or im2fit_next. */
   IM2FIT_STATE_LOST,
   /* settings.turn: the front is measured (im2fit_result.front_measured). TURN_BACK: frames of the back are being
-   * accumulated. TURN_AROUND: the person is followed through the turn. MEASURED follows: with what was seen; or with
-   * the front alone, when the person leaves or does not turn within 450 frames. */
+   * accumulated. TURN_AROUND: the person is followed through the turn. MEASURED follows. It rests on the
+   * front alone when too little of the back, or of the turn (150 degrees), was seen within 450 frames. */
   IM2FIT_STATE_TURNING
 };
 
@@ -535,7 +535,7 @@ typedef struct im2fit_result {
   float clothing_ease_mm;                 /* expected gap of cloth and skin at the trunk, mm; NaN: not estimated */
   uint32_t known_used;                    /* IM2FIT_KNOWN_..., or-ed: facts of im2fit_set_known in the measurement */
   uint32_t known_doubted;                 /* the same: left out, because they do not fit what was seen */
-  float turned_deg; /* TURN_AROUND, from TURNING on: how far the person has turned; + to the person's left */
+  float turned_deg; /* TURN_AROUND, from TURNING on: the farthest the person has turned; + to the person's left */
 } im2fit_result;
 
 /* Copies the latest result, consistent in itself. Never waits for the engine. Any thread. `struct_size` is sizeof

@@ -21,9 +21,10 @@ from __future__ import annotations
 import ctypes
 import dataclasses
 import json
+import operator
 import os
 import pathlib
-from typing import TYPE_CHECKING, Any, Iterable, Sequence, TypedDict, Union
+from typing import TYPE_CHECKING, Any, Iterable, Sequence, TypedDict, Union, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -218,10 +219,11 @@ class Session:
         for name, value in settings.items():
             if name not in Settings.__annotations__:
                 raise TypeError(f"no setting is called {name}; there are {', '.join(sorted(Settings.__annotations__))}")
-            if not isinstance(value, int):
-                expected = f"one of im2fit.{name.title()}" if name in ("clothing", "sensor") else "a number"
-                raise TypeError(f"{name} is {value!r}, expected {expected}")
-            setattr(s, name, value)
+            try:
+                setattr(s, name, operator.index(cast(int, value)))
+            except TypeError:
+                expected = f"one of im2fit.{name.title()}" if name in ("clothing", "sensor", "turn") else "a whole number"
+                raise TypeError(f"{name} is {value!r}, expected {expected}") from None
         self._size, self._rotate_deg, self._number = (height, width), rotate_deg, 0
         self._intrinsics, self._lens = (fx, fy, cx, cy), lens_of(distortion)
         self._options: _c.CamerasOptions | None = None

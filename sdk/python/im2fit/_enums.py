@@ -91,7 +91,7 @@ class View(_Number):
 
 
 class Turn(_Number):
-    """What is measured besides the front. AROUND, one slow turn on the spot, is the most accurate."""
+    """What is measured besides the front. AROUND: one slow turn on the spot; waist, hip and weight gain most."""
 
     NONE = 0
     BACK = 1

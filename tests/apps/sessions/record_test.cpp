@@ -132,13 +132,17 @@ TEST(SessionRecord, DeepWideAndLongTextsAreRefusedInALine) {
   const auto with_mood = [&](const std::string& value) {
     return std::string(whole).replace(whole.find("\"MOOD\""), 6, value);
   };
-  std::string keys = "{\"0\": 0";
-  for (int i = 1; i < 100'000; ++i) keys += ", \"" + std::to_string(i) + "\": 0";
+  const auto many = [](int count) {
+    std::string keys = "{\"0\": 0";
+    for (int i = 1; i < count; ++i) keys += ", \"" + std::to_string(i) + "\": 0";
+    return keys + "}";
+  };
   const std::pair<std::string, std::string> kCases[] = {
       {"{\"schema\": " + nested(100'000) + "}", "nested deeper than 64 levels"},
       {with_mood(nested(100'000)), "nested deeper than 64 levels"},
       {with_mood("{\"a\\\"\": " + nested(63) + "}"), "nested deeper than 64 levels"},
-      {with_mood(keys + "}"), "has an object of more than 10000 keys"},
+      {with_mood(many(100'000)), "has an object of more than 10000 keys"},
+      {with_mood("[" + many(4000) + "," + many(9000) + "," + many(9000) + "]"), "or many of nearly as many"},
       {with_mood("\"caf\xe9\""), "not JSON"},
       {changed([](Json& j) { j["schema"] = std::string(100'000, 'x'); }), "schema is \"xxx"},
       {changed([](Json& j) { j["truth"]["gender"] = std::string(100'000, 'x'); }), "truth.gender is \"xxx"},
