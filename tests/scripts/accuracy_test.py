@@ -62,8 +62,7 @@ class Accuracy(unittest.TestCase):
             (self.root / folder).mkdir(parents=True)
         shutil.copy(SCRIPT, self.root / "scripts/accuracy")
         self.code(22, 13)
-        self.page("README.md", "# im2fit\n\n<!-- accuracy:headline-around -->\n<!-- /accuracy -->\n\n"
-                  "<!-- accuracy:headline -->\n<!-- /accuracy -->\n\nAfter it.\n")
+        self.page("README.md", "# im2fit\n\n<!-- accuracy:headline -->\n<!-- /accuracy -->\n\nAfter it.\n")
         self.page("docs/evaluation.md", "".join(f"## {name}\n<!-- accuracy:{name} -->\nold\n<!-- /accuracy -->\n"
                                                 for name in ("front", "both-sides", "around", "clothed", "garments")))
         for condition in CONDITIONS:
@@ -109,8 +108,9 @@ class Accuracy(unittest.TestCase):
         readme = self.page("README.md")
         self.assertIn("| close-fitting, simulated without clothes: `ansur` | 31 (+14)<br>95 % in ±62 |", readme)
         self.assertIn("| loose T-shirt and trousers: `ansur` |", readme)
+        self.assertIn("| the same, one turn: `--around`: `ansur` |", readme)
         self.assertIn("30.6 (+14.2)<br>95 % in ±62.3 |", readme, "weight, with a decimal")
-        self.assertIn("Measured: 398 of 400 (`ansur`), 398 of 400 (`ansur`). Index of 4,000 simulated people, format 13. "
+        self.assertIn("Measured: 398 of 400 (`ansur`), 398 of 400 (`ansur`), 398 of 400 (`ansur`). Index of 4,000 simulated people, format 13. "
                       "Dataset: version 22. Commit: abc1234.", " ".join(readme.split()))
         self.assertTrue(readme.endswith("<!-- /accuracy -->\n\nAfter it.\n"), readme)
         page = self.page("docs/evaluation.md")
@@ -127,7 +127,7 @@ class Accuracy(unittest.TestCase):
         self.succeeds("tables")
         front = self.page("docs/evaluation.md").split("## both-sides")[0]
         self.assertLess(front.index("`modifiers`: MAE"), front.index("`ansur`: MAE"))
-        self.assertIn("Measured: 398 of 400 (`modifiers`), 398 of 400 (`ansur`).", " ".join(self.page("README.md").split()))
+        self.assertIn("Measured: 398 of 400 (`modifiers`), 398 of 400 (`ansur`), 398 of 400 (`ansur`).", " ".join(self.page("README.md").split()))
 
     def test_figures_of_earlier_versions_are_marked_and_refused(self):
         for dataset, index_format, words in ((23, 13, "dataset 22, code is 23"),
@@ -193,6 +193,14 @@ class Accuracy(unittest.TestCase):
         self.put(entry)
         self.succeeds("tables")
         self.assertEqual(self.page("docs/evaluation.md").count("| stature, mm | 31 (+14) | 95 % | 125 | – | – | – |"), 1)
+
+    def test_turns_may_be_of_another_commit_and_fewer_people_but_not_of_another_index(self):
+        for population in POPULATIONS["around"]:
+            self.put(result("around", population, commit="def5678", people=200))
+        self.succeeds("tables")
+        for population in POPULATIONS["around"]:
+            self.put(result("around", population, index_format=12))
+        self.fails(["tables"], "index format is 13 of fronts and 12 of turns")
 
     def test_results_without_a_commit_make_no_table(self):
         for condition, population in EACH:
