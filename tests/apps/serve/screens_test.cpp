@@ -69,7 +69,7 @@ const apps::Json kDoubted = {{"given",
                                {"weight", {{"value", 130}, {"sd", 3}, {"unit", "kg"}}}}},
                              {"used", {"stature"}},
                              {"doubted", {"weight"}}};
-constexpr int kStatesLooked = 30;
+constexpr int kStatesLooked = 33;
 
 class Screens : public testing::Test {
  protected:
