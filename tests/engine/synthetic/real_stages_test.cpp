@@ -3,6 +3,8 @@
 // What the index answers means nothing; that the same frames give the same bytes and that nothing allocates does.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <optional>
@@ -101,15 +103,22 @@ class RealStages : public testing::Test {
     lab::SceneOptions options;
     options.rotate_deg = kRotateDeg;
     options.turn = turn;
-    lab::VirtualScene scene(data_->model, subject, options, {}, sensor, 5);
+    frames = rendered(subject, options, frame_count);
+    data_->intrinsics = hal::rotate_upright(sensor, kRotateDeg);
+  }
+  static std::vector<std::vector<std::uint16_t>> rendered(const lab::Subject& subject,
+                                                          const lab::SceneOptions& options, int frame_count) {
+    lab::VirtualScene scene(data_->model, subject, options, {}, lab::kinect_intrinsics(kSensorWidth, kSensorHeight),
+                            5);
     std::vector<std::uint16_t> landscape(static_cast<std::size_t>(kSensorWidth) * kSensorHeight);
     const DepthImage in(landscape.data(), kSensorWidth, kSensorHeight);
+    std::vector<std::vector<std::uint16_t>> frames;
     for (int i = 0; i < frame_count; ++i) {
       scene.render(static_cast<std::uint64_t>(i), in);
       frames.emplace_back(landscape.size());
       hal::rotate_upright(in, kRotateDeg, {frames.back().data(), kSensorHeight, kSensorWidth});
     }
-    data_->intrinsics = hal::rotate_upright(sensor, kRotateDeg);
+    return frames;
   }
 
   static std::unique_ptr<Engine> make_engine(bool single_thread, Turn turn = Turn::none, FrameWatch watch = nullptr,
@@ -326,6 +335,66 @@ TEST_F(RealStages, NothingAllocatesInATurn) {
   EXPECT_EQ(allocations, 0);
   EXPECT_TRUE(pushed);
   EXPECT_EQ(engine->result().views, AnswerViews::front_and_back);
+}
+
+// All round, with an index that knows shapes; what the answer is worth: tests/apps/measured_clip_test.cpp.
+class AllRound : public RealStages {
+ protected:
+  void SetUp() override {
+    RealStages::SetUp();
+    if (IsSkipped()) return;
+    const char* path = std::getenv("IM2FIT_INDEX");
+    if (path == nullptr) GTEST_SKIP() << "no index: set IM2FIT_INDEX (scripts/test makes one)";
+    auto index = index::Index::open(path);
+    ASSERT_TRUE(index) << index.error().message;
+    index_.emplace(std::move(*index));
+    const lab::Subject subject = lab::draw_subject(data_->model, lab::Family::training, 5, 2);
+    lab::SceneOptions options;
+    options.rotate_deg = kRotateDeg;
+    options.pose = lab::StandingPose::arms_out;
+    options.step_round = {kTurnFirst, 6, 360};
+    frames_ = rendered(subject, options, kTurnFirst + 6 * 30 + 20);
+  }
+  Result<std::unique_ptr<Engine>> make(const body::BodyModel* body) {
+    EngineSettings settings;
+    settings.width = data_->intrinsics.width;
+    settings.height = data_->intrinsics.height;
+    settings.intrinsics = data_->intrinsics;
+    settings.frames_wanted = 12;
+    settings.turn = Turn::around;
+    settings.shape_space = &data_->model.shape_space();
+    settings.body = body;
+    return Engine::create(settings, *data_->tracker, *index_);
+  }
+  std::optional<index::Index> index_;
+  std::vector<std::vector<std::uint16_t>> frames_;
+};
+
+TEST_F(AllRound, NothingAllocatesAndTheSamePersonIsMeasuredTheSameAgain) {
+  auto engine = make(&data_->model);
+  ASSERT_TRUE(engine) << engine.error().message;
+  std::array<EngineResult, 2> results;
+  bool pushed = true;
+  test::arm_allocation_count();
+  for (EngineResult& result : results) {
+    for (std::uint64_t i = 0; i < frames_.size(); ++i)
+      pushed = static_cast<bool>(push(**engine, i, frames_[i])) && pushed;
+    (*engine)->finish();
+    result = (*engine)->result();
+    (*engine)->reset();
+  }
+  const long allocations = test::disarm_allocation_count();
+  EXPECT_EQ(allocations, 0);
+  EXPECT_TRUE(pushed);
+  EXPECT_EQ(results[0].views, AnswerViews::around);
+  EXPECT_GE(std::fabs(results[0].turned_deg), 330);
+  EXPECT_EQ(values_of(results[0]), values_of(results[1]));
+}
+
+TEST_F(AllRound, WithoutTheBodyFileItIsRefused) {
+  const auto engine = make(nullptr);
+  ASSERT_FALSE(engine);
+  EXPECT_NE(engine.error().message.find("all round"), std::string::npos) << engine.error().message;
 }
 
 }  // namespace
