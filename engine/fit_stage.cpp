@@ -11,8 +11,7 @@ SessionRules rules_of(const EngineSettings& settings) {
   rules.frames_wanted = settings.frames_wanted;
   rules.frames_min = settings.frames_min;
   rules.calibration_psi = settings.calibration_psi;
-  rules.turn = settings.turn != Turn::none;
-  rules.around = settings.turn == Turn::around;
+  rules.turn = settings.turn;
   return rules;
 }
 
@@ -87,7 +86,7 @@ void FitStage::end_moment(const FrameSlot& slot) {
     begin_next();
     if (one_after_another_) before_ = slot.counts;
   } else if (session_.state == SessionState::turning) {
-    end_turning(rules_.around, false);
+    end_turning(rules_.turn == Turn::around, false);
     result_.state = session_.state;
     count_accumulated();
   } else if (session_.state != SessionState::searching) {
@@ -221,9 +220,8 @@ void FitStage::measure(bool ended) {
     take_guidance(result_.guidance);
     return;
   }
-  result_.views = person.around                         ? AnswerViews::around
-                  : front_frames_ > 0 && !rules_.around ? AnswerViews::front_and_back
-                                                        : AnswerViews::front;
+  const bool of_back = rules_.turn == Turn::back && front_frames_ > 0;
+  result_.views = person.around ? AnswerViews::around : of_back ? AnswerViews::front_and_back : AnswerViews::front;
   result_.answer = person.answer;
   result_.uncorrected = person.answer.measurements;
   // A site's correction was learned on fronts (docs/calibration.md).
@@ -241,9 +239,9 @@ void FitStage::measure(bool ended) {
     front_frames_ = front_frames;
     unfollowed_periods_ = 0;
     turn_deg_a_period_ = 0;
-    result_.guidance |= static_cast<GuidanceSet>(rules_.around ? Guidance::turn_on : Guidance::turn_round);
-  } else if (rules_.around && !person.around &&
-             front_frames_ > 0) {  // the turn was not used: the front's frames alone
+    result_.guidance |=
+        static_cast<GuidanceSet>(rules_.turn == Turn::around ? Guidance::turn_on : Guidance::turn_round);
+  } else if (front_frames_ > 0 && !person.around && !of_back) {  // a turn that was not used: the front's frames alone
     stages_.drop_back();
     front_frames_ = 0;
   }

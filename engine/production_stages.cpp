@@ -22,8 +22,15 @@ class ProductionStages final : public SensingStages {
     if (options.turn == Turn::around) around_.emplace(*options.body, width, height);
   }
 
+  // After a turn the front is not asked again: it is the same.
   bool measure(MeasuredPerson& person) override {
     fault_.reset();
+    if (following_) {
+      person = front_person_;
+      person.around =
+          std::fabs(around_->turned_deg()) >= kTurnEnoughDeg && around_->measure(person.answer, person.seen);
+      return true;
+    }
     const Fuser::Description& described = front().describe(sensor_);
     if (!described.valid) return false;
     std::optional<RefinedQuery::Side> behind;
@@ -42,15 +49,10 @@ class ProductionStages final : public SensingStages {
           .apply(person.answer);
     person.age = answer->age;
     person.seen = answer->seen;
-    clothed_ = person.answer.clothed;
-    person.around = following_ && std::fabs(around_->turned_deg()) >= kTurnEnoughDeg &&
-                    around_->measure(person.answer, person.seen);
-    seen_ = answer->seen;
-    joints_ = described.joints;
-    floor_ = described.floor;
     person.paper = to_values(described.paper);
     person.joints = described.joints;
     person.floor = described.floor;
+    front_person_ = person;
     return true;
   }
 
@@ -59,8 +61,10 @@ class ProductionStages final : public SensingStages {
     followed_ = 0;
     // A person in clothes would be measured in the clothes. What edges restored from a blending driver do to an
     // outline seen from the side is not known.
-    following_ = !clothed_ && !edges_restored() &&
-                 around_->begin({seen_, joints_, floor_, front().depth_q4(), front().mask(), front().intrinsics()});
+    const MeasuredPerson& p = front_person_;
+    following_ =
+        !p.answer.clothed && !edges_restored() &&
+        around_->begin({p.seen, p.joints, p.floor, front().depth_q4(), front().mask(), front().intrinsics()});
     return following_;
   }
   bool follow(DepthView depth, MaskView mask, const Intrinsics& intrinsics) override {
@@ -91,12 +95,9 @@ class ProductionStages final : public SensingStages {
     followed_ = 0;
     if (around_) around_->reset();
   }
-  // Of Turn::around: the front as measured last, and the pictures followed since.
+  // Of Turn::around: the front as measured, and the pictures followed since.
   std::optional<TurnMeasurement> around_;
-  body::SeenBody seen_;
-  JointSet joints_;
-  FloorPlane floor_;
-  bool clothed_ = false;
+  MeasuredPerson front_person_;
   bool following_ = false;
   int followed_ = 0;
 };

@@ -20,7 +20,7 @@ SessionStep on_absence(const SessionRules& rules, SessionStep step, int periods)
   if (next.absent_periods <= rules.absent_periods_max) return step;
   if (next.state == SessionState::turning) {
     step.measure = true;
-    step.drop_back = !rules.around;
+    step.drop_back = rules.turn != Turn::around;
   } else {
     next.state = SessionState::lost;
   }
@@ -97,8 +97,8 @@ SessionStep on_turning_round(const SessionRules& rules, SessionStep step, const 
   step.follow = step.guidance == 0;
   const float turned = view.turned_deg < 0 ? -view.turned_deg : view.turned_deg;
   next.turns_fast = view.turn_deg_a_period > (next.turns_fast ? rules.turn_slow_deg : rules.turn_slower_deg);
-  if (turned >= next.farthest_deg + rules.turn_progress_deg) {
-    next.farthest_deg = turned;
+  if (turned >= next.progress_deg + rules.turn_progress_deg) {
+    next.progress_deg = turned;
     next.turning_periods = 0;
   }
   step.measure = turned >= rules.turn_whole_deg;
@@ -109,7 +109,7 @@ SessionStep on_turning_round(const SessionRules& rules, SessionStep step, const 
 // Every frame of TURNING counts, also those without the person.
 void bound_turning(const SessionRules& rules, SessionStep& step, const SessionView& view) {
   step.next.turning_periods += view.periods;
-  if (rules.around) {
+  if (rules.turn == Turn::around) {
     step.measure = step.measure || step.next.turning_periods > rules.turn_wait_periods_max;
     return;
   }
@@ -147,7 +147,7 @@ SessionStep step_of(const SessionRules& rules, const Session& session, const Ses
   next.user = view.user;
   // The side seen is a guess while the person is bent or the head is outside the picture.
   const bool guessed = has(view.guidance, Guidance::not_upright) || has(view.guidance, Guidance::head_cut);
-  if (next.state == SessionState::turning && rules.around) return on_turning_round(rules, step, view);
+  if (next.state == SessionState::turning && rules.turn == Turn::around) return on_turning_round(rules, step, view);
   if (next.state == SessionState::turning) return on_turning(rules, step, view, guessed);
   add_arms(step, view);
   if (is_moving(rules, view)) {
@@ -217,12 +217,12 @@ MeasuringStep after_measuring(const SessionRules& rules, const Session& session,
   MeasuringStep step;
   step.next = session;
   if (succeeded) {
-    step.turn = rules.turn && !ended && session.state == SessionState::tracking;
+    step.turn = rules.turn != Turn::none && !ended && session.state == SessionState::tracking;
     step.next.state = step.turn ? SessionState::turning : SessionState::measured;
     step.next.rejected_periods = 0;
     step.next.turning_periods = 0;
     step.next.turned = false;
-    step.next.farthest_deg = 0;
+    step.next.progress_deg = 0;
     step.next.turns_fast = false;
     return step;
   }
@@ -237,7 +237,7 @@ MeasuringStep after_measuring(const SessionRules& rules, const Session& session,
 
 bool measure_at_end(const SessionRules& rules, const Session& session, int frames_accumulated) {
   // Whether the turn so far is enough is the stages' to say.
-  if (session.state == SessionState::turning && rules.around) return true;
+  if (session.state == SessionState::turning && rules.turn == Turn::around) return true;
   return session.state != SessionState::measured && frames_accumulated > 0 &&
          frames_accumulated >= rules.frames_min && !mostly_close(session.arms.session);
 }

@@ -34,8 +34,7 @@ struct SessionRules {
   int frames_wanted = 30;
   int frames_min = 5;
   bool calibration_psi = false;
-  bool turn = false;
-  bool around = false;  // with `turn`: the whole turn is followed
+  Turn turn = Turn::none;
   int absent_periods_max = kAbsentPeriodsMax;
   int psi_frames = 5;               // in a row
   int psi_wait_periods_max = 300;   // ten seconds to take the pose
@@ -49,7 +48,7 @@ struct SessionRules {
   float limb_speed_max_mm_s = 300;
   float body_speed_plain_mm_s = 150;  // movement that is reported beside other guidance
   float turn_whole_deg = 330;         // people leave out the end
-  float turn_progress_deg = 10;       // less is no progress: a person who stands sways
+  float turn_progress_deg = 10;       // a person who stands still sways by less
   // Of a period. follow() needs pictures at most 25 degrees apart, ten a second. Once said, until it is plainly
   // slower.
   float turn_slower_deg = 200.0F / 30, turn_slow_deg = 120.0F / 30;
@@ -66,7 +65,7 @@ struct Session {
   int attempts = 0;
   int turning_periods = 0;  // in TURNING
   bool turned = false;      // in TURNING: the back has been seen, and no front since
-  float farthest_deg = 0;   // in TURNING, around
+  float progress_deg = 0;   // in TURNING, around: turned when turning_periods began anew
   bool turns_fast = false;  // the same
   int user = 0;             // the user of the latest frame that counted, in FIT's time; 0 before USER_FOUND
   ArmsMemory arms;          // of that user, since USER_FOUND; in TURNING: since the back was seen

@@ -17,8 +17,8 @@ namespace {
 
 constexpr std::size_t kViews = body::kTurnViewMax;
 constexpr float kApartDeg = 360.0F / kViews;
-// Mean distance of a picture's surface from the fitted body: 2 to 4 mm of people who turn as they are asked to. More
-// is a picture that was followed wrong, or a person who moved the arms on to the body.
+// Mean distance of a picture's surface from the fitted body. It is 2 to 4 mm of people who turn as they are asked to
+// (`im2fit-lab eval-turn`). Where it is 10, the picture was followed wrong, or an arm lies on the body.
 constexpr float kSurfaceMaxMm = 10;
 
 // Of what a turn measures: mean error, subtracted, and half of the 95 % interval, mm and kg. From people of ansur
@@ -40,9 +40,9 @@ constexpr std::array<Spread, kMeasurementCount> kSpreads = {{
     {0.5F, 2.3F},  // weight
 }};
 
-// The heights of nipples, navel and buttocks of people of one stature, mm: standard deviations of ANSUR II (the
-// larger of women and men). The surface says little about them, so a girth that changes with height is uncertain by
-// as much.
+// How much the levels of nipples, navel and buttocks differ among people of one stature, mm. ANSUR II: standard
+// deviation of chestheight, waistheightomphalion and buttockheight about their straight line on stature, the larger
+// of women and men. The surface says little about these levels, so a girth is as uncertain as they make it.
 constexpr float kChestHeightSdMm = 22, kWaistHeightSdMm = 22, kHipHeightSdMm = 28;
 constexpr float kOf95 = 1.96F;
 

@@ -20,8 +20,8 @@ inline constexpr std::size_t kJsonDepthMax = 64;
 // keys, 900 kB of text, take 20 s. So the squares of the counts may together not be more than this one's.
 inline constexpr std::size_t kJsonKeysMax = 10'000;
 
-// The limit that a text exceeds, or "". Looks at brackets, commas and quotes alone: the parser finds
-// what is no JSON, and takes no more stack for more levels.
+// The limit that a text exceeds, or "". Reads brackets, commas and quotes alone. The parser refuses text that is not
+// JSON, and its stack does not grow with the levels.
 inline std::string json_excess(std::string_view text) {
   std::array<std::size_t, kJsonDepthMax> commas{};
   std::size_t depth = 0, cost = 0;
@@ -45,7 +45,7 @@ inline std::string json_excess(std::string_view text) {
   return "";
 }
 
-// `what` names the text in errors. Errors: corrupt, for text that is no JSON (in UTF-8) or beyond the limits.
+// Error: corrupt, when the text is not JSON in UTF-8 or exceeds a limit; it begins with `what`.
 template <class Json = nlohmann::json>
 Result<Json> parse_json(std::string_view text, const std::string& what) {
   if (const std::string excess = json_excess(text); !excess.empty())
@@ -63,7 +63,7 @@ Result<Json> read_json(const std::string& path, std::size_t size_max = kReadByte
   return parse_json<Json>({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path);
 }
 
-// Names of files, cameras and shops may be of any bytes: those that are no UTF-8 are replaced. dump() would throw.
+// A name of a file, camera or shop may have bytes that are not UTF-8. dump() throws at them; this replaces them.
 template <class Json>
 std::string json_text(const Json& json, int indent = -1) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace);

@@ -155,8 +155,7 @@ class Camera {
   DepthImage sensor_image_, image_;
 };
 
-constexpr int kFrontShown = 90;                              // before the first step
-constexpr double kTurnSecondsMin = 6, kTurnSecondsMax = 15;  // of a whole turn
+constexpr int kFrontShown = 90;  // before the first step
 constexpr std::uint64_t kTurnStream = 0x7024E;
 
 // One scene: the person stands, steps round, and stands a second.
@@ -166,7 +165,8 @@ Status show_turn(Engine& engine, const SessionModels& models, const HeldOutPerso
   Rng rng = Rng::for_item(capture.seed, kTurnStream, 0);
   SceneOptions options = capture.scene;
   options.step_round = {kFrontShown,
-                        static_cast<float>(rng.uniform(kTurnSecondsMin, kTurnSecondsMax)) * degrees / 360, degrees};
+                        static_cast<float>(rng.uniform(kStepRoundSecondsMin, kStepRoundSecondsMax)) * degrees / 360,
+                        degrees};
   VirtualScene scene(models.body, person.subject, options, capture.sensor, capture.intrinsics, capture.seed);
   Camera camera(capture.intrinsics, person);
   const auto frames = static_cast<std::uint64_t>(kFrontShown + 30 + options.step_round.seconds * 30);

@@ -19,8 +19,8 @@ namespace im2fit::lab {
 struct TurnStudyOptions {
   EvaluationOptions people;  // family, seed, noise, picture size, subjects, threads
   float degrees = 360;
-  float seconds_min = 6, seconds_max = 15;  // of a full turn
-  int view_count = 8;                       // pictures fitted, the front's among them; 1 to body::kTurnViewMax
+  float seconds_min = kStepRoundSecondsMin, seconds_max = kStepRoundSecondsMax;  // of a full turn
+  int view_count = 8;  // pictures fitted, the front's among them; 1 to body::kTurnViewMax
 };
 
 struct TurnOutcome {

@@ -303,7 +303,7 @@ constexpr GuidanceSet kNotFrontal = static_cast<GuidanceSet>(Guidance::not_front
 
 SessionRules turn_rules() {
   SessionRules r = rules(false);
-  r.turn = true;
+  r.turn = Turn::back;
   r.turn_wait_periods_max = 20;
   r.unsteady_frames_max = 5;
   return r;
@@ -385,7 +385,7 @@ TEST(Turning, SaysWhatTheBackNeeds) {
 
 SessionRules around_rules() {
   SessionRules r = turn_rules();
-  r.around = true;
+  r.turn = Turn::around;
   return r;
 }
 SessionView turned(float deg, GuidanceSet guidance = 0, int periods = 3, float deg_a_period = 0) {

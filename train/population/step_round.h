@@ -13,6 +13,9 @@
 
 namespace im2fit::lab {
 
+// How long people take who are asked to turn once, slowly.
+inline constexpr float kStepRoundSecondsMin = 6, kStepRoundSecondsMax = 15;
+
 struct StepRound {
   int frame_first = 0;  // of the first step
   float seconds = 0;    // of the whole turn; 0: never turns

@@ -57,7 +57,7 @@ def pose_of(pose: npt.ArrayLike) -> list[float]:
     turn = given[:3, :3]
     if not (np.allclose(turn @ turn.T, np.eye(3), atol=1e-3) and np.linalg.det(turn) > 0
             and np.array_equal(given[3], (0, 0, 0, 1))):
-        raise ValueError("pose is no rigid motion: expected the 3x3 of a rotation, not mirrored or scaled, and 0 0 0 1 in the "
+        raise ValueError("pose is not a rigid motion: expected the 3x3 of a rotation, not mirrored or scaled, and 0 0 0 1 in the "
                          f"last row, found {given.tolist()}")
     # Four times the squares of w, x, y, z. The largest divides: a small one would amplify rounding.
     (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = turn

@@ -137,7 +137,7 @@ class Poses(unittest.TestCase):
         mirrored, scaled, sheared = np.diag([1, 1, -1, 1]), np.diag([2, 2, 2, 1]), np.eye(4)
         sheared[3] = (0, 0, 1, 0)
         for bad in (mirrored, scaled, sheared, np.full((4, 4), np.nan)):
-            with self.assertRaisesRegex(ValueError, "no rigid motion"):
+            with self.assertRaisesRegex(ValueError, "not a rigid motion"):
                 _camera.pose_of(bad)
         with self.assertRaisesRegex(ValueError, r"\(3, 4\), expected a 4x4"):
             _camera.pose_of(np.eye(4)[:3])
