@@ -15,6 +15,10 @@ class PersonAxes {
   PersonAxes() = default;
   PersonAxes(const JointSet& camera_joints, const FloorPlane& floor);
 
+  // Of another camera, whose directions become this one's by `turn` and whose points then by `step_mm`. `floor` as
+  // that camera sees it, where known, is the floor of these axes: a camera's pose is told less exactly.
+  PersonAxes seen_from(const Mat3f& turn, Vec3f step_mm, const FloorPlane& floor) const;
+
   Vec3f to_mesh(Vec3f camera) const { return direction_to_mesh(camera) + shift_; }
   Vec3f direction_to_mesh(Vec3f camera) const { return level_ * half_turn(camera); }
   Vec3f to_camera(Vec3f mesh) const { return direction_to_camera(mesh - shift_); }

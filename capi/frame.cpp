@@ -214,13 +214,12 @@ Status FrameReader::push(Engine& engine, const im2fit_frame& f) {
   if (auto ok = check_frame(f, settings_); !ok) return ok;
   if (auto ok = take_intrinsics(engine, f); !ok) return ok;
   if (auto ok = take_lens(f); !ok) return ok;
-  take_pose(f);
   const auto place = engine.acquire();
   if (!place) return place.error();
   if (undistort_) {
     read_samples(f, DepthImage(camera_.data(), f.width, f.height));
     undistort(*place);
-    return commit(engine, *place, f);
+    return commit(engine, f);
   }
   const DepthImage upright = resample_ ? DepthImage(upright_.data(), settings_.width, settings_.height) : *place;
   if (f.rotate_deg == 0) {
@@ -231,33 +230,21 @@ Status FrameReader::push(Engine& engine, const im2fit_frame& f) {
     hal::rotate_upright(camera, f.rotate_deg, upright);
   }
   if (resample_) resample(upright, *place);
-  return commit(engine, *place, f);
+  return commit(engine, f);
 }
 
-void FrameReader::take_pose(const im2fit_frame& f) {
-  const float length = turn_length(f);
-  posed_ = length > 0;
-  if (!posed_) return;
-  if (!steady_) {
-    steady_.emplace();
-    steady_->prepare(settings_.width, settings_.height);
-  }
-  const hal::CameraPose delivered{
-      f.turn_x / length, f.turn_y / length, f.turn_z / length, f.turn_w / length, {f.x_mm, f.y_mm, f.z_mm}};
-  moves_ = steady_->take(hal::rotate_upright(delivered, f.rotate_deg));
-}
-
-Status FrameReader::commit(Engine& engine, DepthImage place, const im2fit_frame& f) {
-  if (posed_ && moves_) steady_->run(session_, place);
+Status FrameReader::commit(Engine& engine, const im2fit_frame& f) {
   hal::FrameInfo info;
   info.sequence = f.sequence;
   info.host_ns = f.time_ns;
   info.device_us = f.device_us;
   const Vec3f down = {f.down_x, f.down_y, f.down_z};
-  if (norm(down) > 0) {
-    const Vec3f upright = hal::rotate_upright(normalized(down), f.rotate_deg);
-    info.down = posed_ ? steady_->in_view(upright) : upright;
-  }
+  if (norm(down) > 0) info.down = hal::rotate_upright(normalized(down), f.rotate_deg);
+  if (const float length = turn_length(f); length > 0)
+    info.pose = hal::rotate_upright(
+        hal::CameraPose{
+            f.turn_x / length, f.turn_y / length, f.turn_z / length, f.turn_w / length, {f.x_mm, f.y_mm, f.z_mm}},
+        f.rotate_deg);
   return engine.commit(info);
 }
 

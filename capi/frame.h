@@ -11,21 +11,17 @@
 #include "core/camera.h"
 #include "core/status.h"
 #include "engine/engine.h"
-#include "hal/steady_view.h"
 #include "hal/undistort.h"
 
 namespace im2fit::c {
 
-// One thread at a time. Allocates only in prepare(), and for the first frame that has a lens or a pose.
+// One thread at a time. Allocates only in prepare(), and for the first frame that has a lens.
 class FrameReader {
  public:
   // `upright`: the settings' intrinsics.
   void prepare(const Intrinsics& upright);
-  // A new session: the next frame's intrinsics, and its view, are the session's.
-  void forget() {
-    told_ = false;
-    if (steady_) steady_->forget();
-  }
+  // A new session: the next frame's intrinsics are the session's.
+  void forget() { told_ = false; }
   const Intrinsics& session() const { return session_; }
   // Reads `frame` and pushes it. Errors: invalid_argument naming the field; the engine's.
   Status push(Engine& engine, const im2fit_frame& frame);
@@ -33,8 +29,7 @@ class FrameReader {
  private:
   Status take_intrinsics(Engine& engine, const im2fit_frame& frame);
   void resample(DepthView from, DepthImage to) const;
-  void take_pose(const im2fit_frame& frame);
-  Status commit(Engine& engine, DepthImage place, const im2fit_frame& frame);
+  static Status commit(Engine& engine, const im2fit_frame& frame);
   Status take_lens(const im2fit_frame& frame);
   void undistort(DepthImage to) const;
 
@@ -50,12 +45,10 @@ class FrameReader {
     bool same_as(const Lens& other) const;
   };
   bool undistort_ = false;
-  Lens lens_;                              // of the table
-  std::vector<std::int32_t> table_;        // for each pixel of the session's picture the camera's; -1: outside
-  std::vector<std::uint16_t> camera_;      // a frame that is to be turned
-  std::vector<std::uint16_t> upright_;     // one that is to be resampled; others go straight into the engine's place
-  std::optional<hal::SteadyView> steady_;  // from the first pose on
-  bool posed_ = false, moves_ = false;     // the current frame has a pose; one other than the view's
+  Lens lens_;                           // of the table
+  std::vector<std::int32_t> table_;     // for each pixel of the session's picture the camera's; -1: outside
+  std::vector<std::uint16_t> camera_;   // a frame that is to be turned
+  std::vector<std::uint16_t> upright_;  // one that is to be resampled; others go straight into the engine's place
   std::vector<std::int32_t> columns_, rows_;  // of a resampled picture: where its samples come from; -1: outside
 };
 

@@ -28,13 +28,14 @@ enum class Guidance : std::uint32_t {
   clothed = 1U << 14,           // specified as bare, seen dressed; accompanies a measurement
   turn_on = 1U << 15,           // turn on the spot, slowly, all round: set by the session
   turn_slower = 1U << 16,       // the same, and slower
+  walk_round = 1U << 17,        // to who holds the camera: walk on round the person
 };
 inline constexpr int kTooFarMm = 4000;  // people further away than this are too_far
 inline constexpr std::size_t kGuidanceCount = 17;
 inline constexpr std::array<std::string_view, kGuidanceCount> kGuidanceNames = {
-    "NO_PERSON",        "TOO_NEAR",    "TOO_FAR", "FEET_CUT",       "HEAD_CUT",   "ARMS_CLOSE",
-    "NOT_FRONTAL",      "NOT_UPRIGHT", "MOVING",  "SEVERAL_PEOPLE", "TOO_NOISY",  "SIDE_CUT",
-    "CALIBRATION_POSE", "TURN_ROUND",  "CLOTHED", "TURN_ON",        "TURN_SLOWER"};
+    "NO_PERSON",        "TOO_NEAR",    "TOO_FAR", "FEET_CUT",       "HEAD_CUT",    "ARMS_CLOSE",
+    "NOT_FRONTAL",      "NOT_UPRIGHT", "MOVING",  "SEVERAL_PEOPLE", "TOO_NOISY",   "SIDE_CUT",
+    "CALIBRATION_POSE", "TURN_ROUND",  "CLOTHED", "TURN_ON",        "TURN_SLOWER", "WALK_ROUND"};
 using GuidanceSet = std::uint32_t;  // Guidance values or-ed
 constexpr GuidanceSet operator|(Guidance a, Guidance b) {
   return static_cast<GuidanceSet>(a) | static_cast<GuidanceSet>(b);

@@ -28,6 +28,7 @@
 #include "engine/rest.h"
 #include "engine/snapshot.h"
 #include "engine/spsc_ring.h"
+#include "hal/steady_view.h"
 
 namespace im2fit {
 namespace {
@@ -201,6 +202,7 @@ class PipelineEngine final : public Engine {
   void reset() override {
     drain();
     stages_->reset_sense();
+    if (steady_) steady_->forget();
     reset_clock();
     fit_.reset();
     known_now_ = {};  // sessions count from 0 again
@@ -322,6 +324,18 @@ class PipelineEngine final : public Engine {
     }
   }
 
+  // Of a camera that tells where it is: the frame becomes one of the view, and its pose the view's.
+  void steady(FrameSlot& slot, float seconds) {
+    if (!steady_) {
+      steady_.emplace();
+      steady_->prepare(settings_.width, settings_.height);
+      steady_->follow_walks(settings_.turn == Turn::walk);
+    }
+    if (steady_->take(*slot.info.pose, seconds)) steady_->run(intrinsics_, slot.depth);
+    if (slot.info.down) slot.info.down = steady_->in_view(*slot.info.down);
+    slot.info.pose = steady_->pose();
+  }
+
   void sense(FrameSlot& slot) {
     slot.sensed = settings_.one_after_another || !over_.load(std::memory_order_relaxed);
     slot.passed = false;
@@ -334,6 +348,7 @@ class PipelineEngine final : public Engine {
       since_processed_s_ = 0;
       seconds = kFramePeriodS;
     }
+    if (slot.info.pose) steady(slot, seconds);
     if (slot.info.down) stages_->set_down(*slot.info.down);
     since_processed_s_ += seconds;
     const RestStep step =
@@ -418,6 +433,7 @@ class PipelineEngine final : public Engine {
   PeriodCounter periods_;
   float since_processed_s_ = 0;  // since the frame before that was not only counted
   std::optional<Rest> rest_;
+  std::optional<hal::SteadyView> steady_;  // from the first pose on
   // FIT's, or the producer's while no frame is in the pipeline.
   FitStage fit_;
   struct SessionFacts {

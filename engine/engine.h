@@ -37,14 +37,20 @@ enum class SessionState : int { searching, user_found, calibrating, tracking, me
 inline constexpr float kFrameGapSecondsMax = 2.0F;
 
 // What the guidance requests once the front is accumulated. back: that the person shows the back, so that both sides
-// are measured. around: one turn on the spot, all of which is measured (estimate/turn_measurement.h).
-enum class Turn : int { none, back, around };
+// are measured. around: one turn on the spot, all of which is measured (estimate/turn_measurement.h). walk: the same,
+// but the person stands still and the camera is carried round, each frame with its pose (hal::FrameInfo).
+enum class Turn : int { none, back, around, walk };
+constexpr bool is_all_round(Turn turn) {
+  return turn == Turn::around || turn == Turn::walk;
+}
 // Least turn that is measured: half of one shows front, a side and the back.
 inline constexpr float kTurnEnoughDeg = 150;
-inline constexpr std::array<std::string_view, 3> kTurnNames = {"none", "back", "around"};
+inline constexpr std::array<std::string_view, 4> kTurnNames = {"none", "back", "around", "walk"};
 // Of its name; any other word: none.
 constexpr Turn turn_of(std::string_view name) {
-  return name == "back" ? Turn::back : name == "around" ? Turn::around : Turn::none;
+  for (std::size_t i = 1; i < kTurnNames.size(); ++i)
+    if (name == kTurnNames[i]) return static_cast<Turn>(i);
+  return Turn::none;
 }
 
 // What an answer rests on.
@@ -76,7 +82,7 @@ struct EngineSettings {
   // is fitted to the accumulated frames and refines the answer. Null, empty or of another file: the answer rests on
   // the features alone.
   const body::ShapeSpace* shape_space = nullptr;
-  // The body file's model, needed with Turn::around; it must outlive the engine.
+  // The body file's model, needed with Turn::around and walk; it must outlive the engine.
   const body::BodyModel* body = nullptr;
   SensorKind sensor = SensorKind::unknown;  // where it is known: a driver may smooth away what shows it
   // Of the site and its camera: every answer is corrected before it is shown or used.
@@ -114,7 +120,9 @@ struct EngineResult {
   std::uint64_t frames_seen = 0;                             // processed
   std::uint64_t frames_used = 0;                             // accumulated behind the answer (or so far)
   std::uint64_t frames_back = 0;                             // of frames_used: those of the back or of the turn
-  float turned_deg = 0;  // with Turn::around, from TURNING on: how far the person has turned, + to the own left
+  // With Turn::around and walk, from TURNING on: how far the person has turned, + to the own left, as the camera sees
+  // it. A camera that is carried round to the person's left turns the person to the right.
+  float turned_deg = 0;
   std::uint64_t frames_dropped = 0;         // given up unread because the engine was behind (live only)
   std::uint64_t sequence_gaps = 0;          // sequence numbers skipped
   std::uint64_t sequence_repeats = 0;       // frames whose sequence number did not grow

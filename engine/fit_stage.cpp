@@ -86,7 +86,7 @@ void FitStage::end_moment(const FrameSlot& slot) {
     begin_next();
     if (one_after_another_) before_ = slot.counts;
   } else if (session_.state == SessionState::turning) {
-    end_turning(rules_.turn == Turn::around, false);
+    end_turning(is_all_round(rules_.turn), false);
     result_.state = session_.state;
     count_accumulated();
   } else if (session_.state != SessionState::searching) {
@@ -161,6 +161,7 @@ void FitStage::forget() {
 
 bool FitStage::accumulate(const FrameSlot& slot) {
   const GuidanceSet refusal = stages_.add(slot.depth, slot.mask, intrinsics_, slot.detection);
+  if (slot.info.pose) stages_.set_pose(*slot.info.pose);
   result_.guidance |= refusal;
   const OfferStep offer = after_offer(rules_, session_, refusal != 0, stages_.frame_count(), slot.periods);
   session_ = offer.next;
@@ -170,7 +171,7 @@ bool FitStage::accumulate(const FrameSlot& slot) {
 
 // One that cannot be followed is tried again with the next frame: the person turns on meanwhile.
 void FitStage::follow(const FrameSlot& slot) {
-  if (!stages_.follow(slot.depth, slot.mask, intrinsics_)) return;
+  if (!stages_.follow({slot.depth, slot.mask, intrinsics_, slot.info.pose, slot.detection.person.floor})) return;
   const float turned_deg = stages_.turned_deg();
   turn_deg_a_period_ = std::fabs(turned_deg - result_.turned_deg) / static_cast<float>(unfollowed_periods_);
   result_.turned_deg = turned_deg;
@@ -239,8 +240,7 @@ void FitStage::measure(bool ended) {
     front_frames_ = front_frames;
     unfollowed_periods_ = 0;
     turn_deg_a_period_ = 0;
-    result_.guidance |=
-        static_cast<GuidanceSet>(rules_.turn == Turn::around ? Guidance::turn_on : Guidance::turn_round);
+    result_.guidance |= static_cast<GuidanceSet>(turn_guidance(rules_.turn));
   } else if (front_frames_ > 0 && !person.around && !of_back) {  // a turn that was not used: the front's frames alone
     stages_.drop_back();
     front_frames_ = 0;

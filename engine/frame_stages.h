@@ -41,14 +41,23 @@ class FrameStages {
   // Stage FIT. `add` returns guidance of its own instead of adding.
   virtual GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics,
                           const Detection& detection) = 0;
+  // Where the camera was that took the frame added last; before turn().
+  virtual void set_pose(const hal::CameraPose& /*pose*/) {}
   virtual int frame_count() const = 0;  // of the side being accumulated: the front until turn(), then the back
   // The expensive step, once a session; with Turn::back once for the front and once for both sides. False when the
   // accumulated frames cannot be described.
   virtual bool measure(MeasuredPerson& person) = 0;
   // Why the last measure() failed, if the cause is a damaged file and not the accumulated frames. Else null.
   virtual const Error* fault() const { return nullptr; }
-  // With Turn::around, from turn() on: the next picture of the person who turns. False: too little is seen.
-  virtual bool follow(DepthView /*depth*/, MaskView /*mask*/, const Intrinsics& /*intrinsics*/) { return false; }
+  // With Turn::around and walk, from turn() on: the next picture of the person who turns. False: too little is seen.
+  struct TurnFrame {
+    DepthView depth;
+    MaskView mask;
+    Intrinsics intrinsics;
+    std::optional<hal::CameraPose> pose;  // with Turn::walk
+    FloorPlane floor;                     // as this frame shows it
+  };
+  virtual bool follow(const TurnFrame& /*frame*/) { return false; }
   // The farthest that the person has turned, + to the own left.
   virtual float turned_deg() const { return 0; }
   // Keeps the accumulated frames as the front and accumulates the back from now on; measure() then measures both.
@@ -69,7 +78,7 @@ struct StageOptions {
   Turn turn = Turn::none;
   ClothingGiven clothing = ClothingGiven::unknown;
   const body::ShapeSpace* shape_space = nullptr;
-  const body::BodyModel* body = nullptr;  // with Turn::around
+  const body::BodyModel* body = nullptr;  // with Turn::around and walk
   SensorKind sensor = SensorKind::unknown;
 };
 // PersonDetector, Fuser and Index. Model, index and space must outlive the stages.

@@ -8,6 +8,7 @@
 #include "estimate/refined_query.h"
 #include "estimate/restored_edges.h"
 #include "estimate/turn_measurement.h"
+#include "hal/steady_view.h"
 
 namespace im2fit {
 namespace {
@@ -19,7 +20,7 @@ class ProductionStages final : public SensingStages {
       : SensingStages(width, height, joint_model, options.turn),
         sensor_(options.sensor),
         query_(index, options.shape_space, options.clothing) {
-    if (options.turn == Turn::around) around_.emplace(*options.body, width, height);
+    if (is_all_round(options.turn)) around_.emplace(*options.body, width, height);
   }
 
   // After a turn the front is not asked again: it is the same.
@@ -67,8 +68,15 @@ class ProductionStages final : public SensingStages {
         around_->begin({p.seen, p.joints, p.floor, front().depth_q4(), front().mask(), front().intrinsics()});
     return following_;
   }
-  bool follow(DepthView depth, MaskView mask, const Intrinsics& intrinsics) override {
-    if (!following_ || !around_->follow(depth, mask, intrinsics)) return false;
+  void set_pose(const hal::CameraPose& pose) override { front_pose_ = pose; }
+  bool follow(const TurnFrame& frame) override {
+    if (!following_) return false;
+    std::optional<TurnMeasurement::Camera> camera;
+    if (frame.pose && front_pose_) {
+      const hal::CameraMotion motion = hal::motion_between(*frame.pose, *front_pose_);
+      camera = {{motion.turn}, motion.step_mm, frame.floor};
+    }
+    if (!around_->follow(frame.depth, frame.mask, frame.intrinsics, camera)) return false;
     ++followed_;
     return true;
   }
@@ -81,6 +89,7 @@ class ProductionStages final : public SensingStages {
   void reset_fit() override {
     SensingStages::reset_fit();
     stop_following();
+    front_pose_.reset();
   }
 
   const Error* fault() const override { return fault_ ? &*fault_ : nullptr; }
@@ -95,9 +104,10 @@ class ProductionStages final : public SensingStages {
     followed_ = 0;
     if (around_) around_->reset();
   }
-  // Of Turn::around: the front as measured, and the pictures followed since.
+  // Of Turn::around and walk: the front as measured, and the pictures followed since.
   std::optional<TurnMeasurement> around_;
   MeasuredPerson front_person_;
+  std::optional<hal::CameraPose> front_pose_;
   bool following_ = false;
   int followed_ = 0;
 };
@@ -118,7 +128,7 @@ Result<std::unique_ptr<FrameStages>> make_production_stages(int width, int heigh
     return Error{
         ErrorCode::unsupported,
         "people in clothes are measured by a fitted shape, which needs the body file the index was made with"};
-  if (options.turn == Turn::around && (options.body == nullptr || !RefinedQuery::fits(index, options.shape_space)))
+  if (is_all_round(options.turn) && (options.body == nullptr || !RefinedQuery::fits(index, options.shape_space)))
     return Error{ErrorCode::invalid_argument,
                  "a turn all round is measured with the body file the index was made with; none is given, or it is "
                  "another"};

@@ -20,7 +20,7 @@ SessionStep on_absence(const SessionRules& rules, SessionStep step, int periods)
   if (next.absent_periods <= rules.absent_periods_max) return step;
   if (next.state == SessionState::turning) {
     step.measure = true;
-    step.drop_back = rules.turn != Turn::around;
+    step.drop_back = !is_all_round(rules.turn);
   } else {
     next.state = SessionState::lost;
   }
@@ -102,14 +102,14 @@ SessionStep on_turning_round(const SessionRules& rules, SessionStep step, const 
     next.turning_periods = 0;
   }
   step.measure = turned >= rules.turn_whole_deg;
-  if (!step.measure) step.guidance |= bit(next.turns_fast ? Guidance::turn_slower : Guidance::turn_on);
+  if (!step.measure) step.guidance |= bit(next.turns_fast ? Guidance::turn_slower : turn_guidance(rules.turn));
   return step;
 }
 
 // Every frame of TURNING counts, also those without the person.
 void bound_turning(const SessionRules& rules, SessionStep& step, const SessionView& view) {
   step.next.turning_periods += view.periods;
-  if (rules.turn == Turn::around) {
+  if (is_all_round(rules.turn)) {
     step.measure = step.measure || step.next.turning_periods > rules.turn_wait_periods_max;
     return;
   }
@@ -147,7 +147,7 @@ SessionStep step_of(const SessionRules& rules, const Session& session, const Ses
   next.user = view.user;
   // The side seen is a guess while the person is bent or the head is outside the picture.
   const bool guessed = has(view.guidance, Guidance::not_upright) || has(view.guidance, Guidance::head_cut);
-  if (next.state == SessionState::turning && rules.turn == Turn::around) return on_turning_round(rules, step, view);
+  if (next.state == SessionState::turning && is_all_round(rules.turn)) return on_turning_round(rules, step, view);
   if (next.state == SessionState::turning) return on_turning(rules, step, view, guessed);
   add_arms(step, view);
   if (is_moving(rules, view)) {
@@ -237,7 +237,7 @@ MeasuringStep after_measuring(const SessionRules& rules, const Session& session,
 
 bool measure_at_end(const SessionRules& rules, const Session& session, int frames_accumulated) {
   // Whether the turn so far is enough is the stages' to say.
-  if (session.state == SessionState::turning && rules.turn == Turn::around) return true;
+  if (session.state == SessionState::turning && is_all_round(rules.turn)) return true;
   return session.state != SessionState::measured && frames_accumulated > 0 &&
          frames_accumulated >= rules.frames_min && !mostly_close(session.arms.session);
 }

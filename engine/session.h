@@ -8,9 +8,9 @@
 //   attempts_max times. MEASURED ends the session.
 //
 // TURNING, around: the front is measured, the guidance is TURN_ON, or TURN_SLOWER where pictures of the turn are too
-// far apart, and ten frames a second are pictures of the turn. It ends in MEASURED when the turn is whole, when it
-// has not gone on for turn_wait_periods_max, when the person left, or at the end of the stream. Less than half a turn
-// is left out: the front alone is the answer then.
+// far apart, and ten frames a second are pictures of the turn. walk: the same, but the guidance is WALK_ROUND. It
+// ends in MEASURED when the turn is whole, when it has not gone on for turn_wait_periods_max, when the person left,
+// or at the end of the stream. Less than half a turn is left out: the front alone is the answer then.
 //
 // TURNING, back: the front is measured, the guidance is TURN_ROUND, and the back is accumulated. It ends in MEASURED
 // whatever the person does: with both sides when frames_wanted frames of the back are accumulated, or frames_min of
@@ -96,6 +96,10 @@ struct SessionStep {
   bool measure = false;      // TURNING is over: call after_measuring
   bool drop_back = false;    // before measuring: the front alone
 };
+// What is asked for in TURNING.
+constexpr Guidance turn_guidance(Turn turn) {
+  return turn == Turn::back ? Guidance::turn_round : turn == Turn::walk ? Guidance::walk_round : Guidance::turn_on;
+}
 SessionStep on_detection(const SessionRules& rules, const Session& session, const SessionView& view);
 
 struct OfferStep {

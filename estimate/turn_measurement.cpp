@@ -71,16 +71,20 @@ struct TurnMeasurement::Work {
         depth((kViews - 1) * pixel_count),
         mask(depth.size()) {}
 
-  void keep(DepthView seen, MaskView inside, const Intrinsics& intrinsics) {
+  void keep(DepthView seen, MaskView inside, const Intrinsics& intrinsics,
+            const std::optional<body::PersonAxes>& axes) {
     const std::size_t at = (view_count - 1) * pixel_count;
     for (int v = 0; v < seen.height; ++v) {
       const auto row = at + static_cast<std::size_t>(v) * static_cast<std::size_t>(seen.width);
       std::copy_n(seen.row(v), seen.width, depth.begin() + static_cast<std::ptrdiff_t>(row));
       std::copy_n(inside.row(v), inside.width, mask.begin() + static_cast<std::ptrdiff_t>(row));
     }
-    views[view_count++] = {
-        {{depth.data() + at, seen.width, seen.height}, 1, {mask.data() + at, seen.width, seen.height}, intrinsics},
-        fitter.pose()};
+    views[view_count++] = {{{depth.data() + at, seen.width, seen.height},
+                            1,
+                            {mask.data() + at, seen.width, seen.height},
+                            intrinsics,
+                            axes},
+                           fitter.pose()};
   }
 
   const body::BodyModel& model;
@@ -88,6 +92,7 @@ struct TurnMeasurement::Work {
   body::PointMesh points;
   body::Measurer measurer;
   std::vector<Vec3f> mesh;
+  body::PersonAxes axes;  // of the front
   std::size_t pixel_count;
   std::vector<std::uint16_t> depth;
   std::vector<std::uint8_t> mask;
@@ -110,21 +115,24 @@ bool TurnMeasurement::begin(const Front& front) {
   reset();
   if (!front.seen.valid || !front.floor.known || !w.points.valid()) return false;
   const std::size_t count = w.model.shape_space().shape_count;
-  w.fitter.begin(std::span(front.seen.shape).first(count), front.seen.pose,
-                 body::PersonAxes(front.joints, front.floor), true);
-  w.views[0] = {{front.depth_q4, 1.0F / 16, front.mask, front.intrinsics}, front.seen.pose};
+  w.axes = body::PersonAxes(front.joints, front.floor);
+  w.fitter.begin(std::span(front.seen.shape).first(count), front.seen.pose, w.axes, true);
+  w.views[0] = {{front.depth_q4, 1.0F / 16, front.mask, front.intrinsics, {}}, front.seen.pose};
   w.view_count = 1;
   return true;
 }
 
-bool TurnMeasurement::follow(DepthView depth, MaskView mask, const Intrinsics& intrinsics) {
+bool TurnMeasurement::follow(DepthView depth, MaskView mask, const Intrinsics& intrinsics,
+                             const std::optional<Camera>& camera) {
   Work& w = *work_;
   const auto pixels = static_cast<std::size_t>(depth.width) * static_cast<std::size_t>(depth.height);
   if (w.view_count == 0 || pixels > w.pixel_count) return false;
-  if (!w.fitter.follow({depth, 1, mask, intrinsics})) return false;
+  std::optional<body::PersonAxes> axes;
+  if (camera) axes = w.axes.seen_from(camera->turn, camera->step_mm, camera->floor);
+  if (!w.fitter.follow({depth, 1, mask, intrinsics, axes})) return false;
   if (std::fabs(w.fitter.turned_deg()) > std::fabs(w.farthest_deg)) w.farthest_deg = w.fitter.turned_deg();
   if (w.view_count < kViews && std::fabs(w.farthest_deg) >= kApartDeg * static_cast<float>(w.view_count))
-    w.keep(depth, mask, intrinsics);
+    w.keep(depth, mask, intrinsics, axes);
   return true;
 }
 

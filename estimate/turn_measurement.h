@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // A person measured all round: the answer of the front, in which what was seen from all sides replaces what was
-// inferred. The front gives the start (body, pose, axes); pictures of the turn follow; some of them, evenly spread
-// over the turn, are kept and fitted together (body/fit/turn_fitter.h).
+// inferred. The front gives the start (body, pose, axes); pictures of the turn follow, of a person who turns or from
+// a camera that is carried round; some of them, evenly spread over the turn, are kept and fitted together
+// (body/fit/turn_fitter.h).
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "body/fit/shape_fitter.h"
 #include "body/model.h"
@@ -34,9 +36,19 @@ class TurnMeasurement {
   };
   bool begin(const Front& front);
   void reset();
-  // The next picture, ten a second or more. False: too little of the person is seen; the next one may be better.
-  bool follow(DepthView depth, MaskView mask, const Intrinsics& intrinsics);
-  float turned_deg() const;  // the farthest to either side, + to the person's left; 0 before begin()
+  // Where a camera that is carried round stands: how its axes become those of the front's camera, and the floor as it
+  // sees it, which levels a told pose.
+  struct Camera {
+    body::Mat3f turn;
+    Vec3f step_mm;
+    FloorPlane floor;
+  };
+  // The next picture, ten a second or more; without `camera` from where the front was taken. False: too little of the
+  // person is seen; the next one may be better.
+  bool follow(DepthView depth, MaskView mask, const Intrinsics& intrinsics,
+              const std::optional<Camera>& camera = std::nullopt);
+  // The farthest to either side, as the camera sees it, + to the person's left; 0 before begin().
+  float turned_deg() const;
 
   // Fits the kept pictures and puts the girths, stature and weight of the body found, with their intervals, into
   // `answer`, and its shape and pose into `seen`; both are the front's. False, and nothing changed: the fit failed.

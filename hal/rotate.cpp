@@ -109,4 +109,9 @@ Vec3f rotate_upright(Vec3f in, int rotate_deg) {
   }
 }
 
+CameraPose rotate_upright(const CameraPose& delivered, int rotate_deg) {
+  const Vec3f axis = rotate_upright(Vec3f{delivered.x, delivered.y, delivered.z}, rotate_deg);
+  return {axis.x, axis.y, axis.z, delivered.w, rotate_upright(delivered.position_mm, rotate_deg)};
+}
+
 }  // namespace im2fit::hal

@@ -29,6 +29,13 @@ struct SourceInfo {
   std::int64_t frame_count = -1;            // -1: not known or endless
 };
 
+// From the axes of a frame (x right, y down, z forward) to those of a place at rest: directions by a unit quaternion,
+// then `position_mm`, where the camera is.
+struct CameraPose {
+  float x = 0, y = 0, z = 0, w = 1;
+  Vec3f position_mm;
+};
+
 // Pixels belong to the caller's pool: next() fills `depth`.
 struct FrameInfo {
   std::uint64_t sequence = 0;      // device's own where it has one, else counted here from 0
@@ -36,6 +43,9 @@ struct FrameInfo {
                                    // a replay gives the same bits however fast it runs
   std::int64_t device_us = -1;     // device ticks in microseconds; -1 when it has none
   std::optional<Vec3f> down = {};  // unit, axes of the frame delivered; none: as before
+  // Of the frame delivered, from a camera that moves and tells where it is: the engine steadies its frames
+  // (hal/steady_view.h). None: the camera stands still.
+  std::optional<CameraPose> pose = {};
 };
 
 struct SourceStats {
@@ -80,6 +90,8 @@ inline std::optional<Vec3f> down_of(const Source& source, const FrameInfo& frame
 void rotate_upright(DepthView in, int rotate_deg, DepthImage out);
 Intrinsics rotate_upright(const Intrinsics& in, int rotate_deg);
 Vec3f rotate_upright(Vec3f in, int rotate_deg);  // a direction in the camera's axes
+// The place at rest is turned along with the frame, so that one that is upright in its frames stays so.
+CameraPose rotate_upright(const CameraPose& delivered, int rotate_deg);
 bool is_rotation(int rotate_deg);
 // `what` names the file or device in the error.
 Status check_intrinsics(const Intrinsics& k, const std::string& what);  // finite, positive, plausible, size 1..2048

@@ -55,37 +55,50 @@ std::uint16_t whole_mm(float mm) {
 
 }  // namespace
 
-CameraPose rotate_upright(const CameraPose& delivered, int rotate_deg) {
-  // The place at rest is turned along with the frame, so that one that is upright in its frames stays so.
-  const Vec3f axis = rotate_upright(Vec3f{delivered.x, delivered.y, delivered.z}, rotate_deg);
-  return {axis.x, axis.y, axis.z, delivered.w, rotate_upright(delivered.position_mm, rotate_deg)};
+CameraMotion motion_between(const CameraPose& from, const CameraPose& to) {
+  const Turn turn = product({-to.x, -to.y, -to.z, to.w}, {from.x, from.y, from.z, from.w});
+  return {matrix_of(turn), turned_back(matrix_of({to.x, to.y, to.z, to.w}), from.position_mm - to.position_mm)};
+}
+
+void SteadyView::forget() {
+  first_.reset();
+  before_mm_.reset();
+  speed_mm_s_ = {};
+  walks_ = false;
+}
+
+// The mean over some frames: a told place trembles by some mm.
+bool SteadyView::walking(const CameraPose& pose, float seconds) {
+  if (!follow_walks_) return false;
+  if (before_mm_ && seconds > 0) {
+    const Vec3f speed = (pose.position_mm - *before_mm_) * (1 / seconds);
+    speed_mm_s_ = speed_mm_s_ + (speed - speed_mm_s_) * (seconds / (seconds + kWalkingS));
+  }
+  before_mm_ = pose.position_mm;
+  walks_ = norm(speed_mm_s_) > (walks_ ? kStandMmS : kWalkMmS);
+  return walks_;
 }
 
 void SteadyView::prepare(int width, int height) {
   frame_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
 }
 
-bool SteadyView::take(const CameraPose& pose) {
+bool SteadyView::take(const CameraPose& pose, float seconds) {
   const CameraPose first = first_ ? *first_ : pose;
   const Turn turn = product({-first.x, -first.y, -first.z, first.w}, {pose.x, pose.y, pose.z, pose.w});
   const Vec3f step = pose.position_mm - first.position_mm;
-  const bool elsewhere = std::max(turn.w, -turn.w) < kTurnMaxHalfCosine || dot(step, step) > kStepMaxMm * kStepMaxMm;
+  const bool elsewhere = walking(pose, seconds) || std::max(turn.w, -turn.w) < kTurnMaxHalfCosine ||
+                         dot(step, step) > kStepMaxMm * kStepMaxMm;
   // To the bit: a quaternion times its inverse is not quite none.
   const bool at_first = first.x == pose.x && first.y == pose.y && first.z == pose.z && first.w == pose.w &&
                         step.x == 0 && step.y == 0 && step.z == 0;
   first_ = elsewhere ? pose : first;
-  if (elsewhere || at_first) {
-    turn_ = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    step_mm_ = {};
-    return false;
-  }
-  turn_ = matrix_of(turn);
-  step_mm_ = turned_back(matrix_of({first.x, first.y, first.z, first.w}), step);
-  return true;
+  to_view_ = elsewhere || at_first ? CameraMotion{} : motion_between(pose, first);
+  return !(elsewhere || at_first);
 }
 
 Vec3f SteadyView::in_view(Vec3f direction) const {
-  return turned(turn_, direction);
+  return turned(to_view_.turn, direction);
 }
 
 void SteadyView::run(const Intrinsics& k, DepthImage frame) {
@@ -94,14 +107,14 @@ void SteadyView::run(const Intrinsics& k, DepthImage frame) {
   for (int v = 0; v < k.height; ++v)
     std::copy_n(frame.row(v), k.width, frame_.data() + static_cast<std::ptrdiff_t>(v) * k.width);
   const float per_fx = 1 / k.fx, per_fy = 1 / k.fy;
-  const bool steps = dot(step_mm_, step_mm_) > 0;
-  const Vec3f forward = turned_back(turn_, {0, 0, 1});
+  const bool steps = dot(to_view_.step_mm, to_view_.step_mm) > 0;
+  const Vec3f forward = turned_back(to_view_.turn, {0, 0, 1});
   for (int v = 0; v < k.height; ++v) {
     const float y = (static_cast<float>(v) - k.cy) * per_fy;
     std::uint16_t* row = frame.row(v);
     for (int u = 0; u < k.width; ++u) {
       const Vec3f ray = {(static_cast<float>(u) - k.cx) * per_fx, y, 1};  // in the view
-      const Vec3f direction = turned_back(turn_, ray);
+      const Vec3f direction = turned_back(to_view_.turn, ray);
       const std::uint16_t* from = seen(k, frame_.data(), direction);
       row[u] = 0;
       if (from == nullptr || *from == 0) continue;
@@ -109,15 +122,15 @@ void SteadyView::run(const Intrinsics& k, DepthImage frame) {
         row[u] = whole_mm(static_cast<float>(*from) / direction.z);
         continue;
       }
-      float depth_mm = static_cast<float>(*from) / direction.z + step_mm_.z;
+      float depth_mm = static_cast<float>(*from) / direction.z + to_view_.step_mm.z;
       for (int round = 0; round < kStepRounds && from != nullptr && *from != 0; ++round) {
-        from = seen(k, frame_.data(), turned_back(turn_, ray * depth_mm - step_mm_));
+        from = seen(k, frame_.data(), turned_back(to_view_.turn, ray * depth_mm - to_view_.step_mm));
         if (from == nullptr || *from == 0) break;
         const auto at = static_cast<int>(from - frame_.data());
         const int from_v = at / k.width, from_u = at - from_v * k.width;
         const Vec3f there = {(static_cast<float>(from_u) - k.cx) * per_fx,
                              (static_cast<float>(from_v) - k.cy) * per_fy, 1};
-        depth_mm = dot(forward, there) * static_cast<float>(*from) + step_mm_.z;
+        depth_mm = dot(forward, there) * static_cast<float>(*from) + to_view_.step_mm.z;
       }
       if (from != nullptr && *from != 0) row[u] = whole_mm(depth_mm);
     }

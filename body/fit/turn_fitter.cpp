@@ -146,7 +146,8 @@ class TurnFitter::Work {
 
   void restore();
   void set_shape();
-  void see(const View& view) { points_.see(view.pose, view.picture->intrinsics, axes_); }
+  const PersonAxes& axes_of(const TurnPicture& picture) const { return picture.axes ? *picture.axes : axes_; }
+  void see(const View& view) { points_.see(view.pose, view.picture->intrinsics, axes_of(*view.picture)); }
   void add_view(std::size_t v, const Look& look, NormalEquations& equations);
   void add_points(std::size_t v, const Look& look, NormalEquations& equations);
   void add_soles(std::size_t v, const Look& look, NormalEquations& equations);
@@ -171,6 +172,7 @@ class TurnFitter::Work {
   PersonAxes axes_;
   bool floor_ = false;
   Pose reference_, before_;
+  Vec3f camera_;                          // the direction to it at the picture followed last, on the floor
   std::array<float, kShapeMax> begun_{};  // the shape that begin() was given
   std::vector<float> bump_, field_mm_, move_mm_;
 
@@ -214,6 +216,7 @@ void TurnFitter::Work::begin(std::span<const float> shape, const Pose& start, co
   axes_ = axes;
   floor_ = floor;
   turned_deg = 0;
+  camera_ = normalized(Vec3f{axes.camera().x, 0, axes.camera().z});
   restore();
 }
 
@@ -255,11 +258,12 @@ void TurnFitter::Work::put_row(std::size_t i, Vec3f along, const RowColumns& col
 
 void TurnFitter::Work::add_points(std::size_t v, const Look& look, NormalEquations& equations) {
   const TurnSight sight(*views_[v].picture);
+  const PersonAxes& axes = axes_of(*views_[v].picture);
   for (const PointGroup& group : groups_) {
     equations.begin_rows(v, group.columns);
     for (const std::uint32_t i : group.points) {
       if (i % look.each != 0) continue;
-      const Vec3f c = points_.in_camera(i), n = axes_.direction_to_camera(points_.at(i).normal);
+      const Vec3f c = points_.in_camera(i), n = axes.direction_to_camera(points_.at(i).normal);
       float off = 0, weight = 0;
       Vec3f along = points_.at(i).normal;
       if (points_.facing(i) > kFacingMin) {
@@ -271,7 +275,7 @@ void TurnFitter::Work::add_points(std::size_t v, const Look& look, NormalEquatio
         Vec3f direction;
         if (points_.hidden(i) || !sight.outline_beside(c, n, look.gate_mm * kReachOfGate, off, direction)) continue;
         off -= points_.beyond_mm(i);
-        along = axes_.direction_to_mesh(direction);
+        along = axes.direction_to_mesh(direction);
         weight = robust_weight(1 / (kRimSdMm * kRimSdMm * kCorrelated), off, kRimOutlierMm);
       } else {
         continue;
@@ -438,7 +442,13 @@ bool TurnFitter::Work::follow(const TurnPicture& picture) {
   // The pelvis' front, before and after, on the floor.
   const auto front = [](const Pose& p) { return normalized(Vec3f{p.rotation[0].m[2], 0, p.rotation[0].m[8]}); };
   const Vec3f a = front(before_), b = front(pose);
-  turned_deg += arc_deg(std::clamp(a.z * b.x - a.x * b.z, -1.0F, 1.0F));
+  const auto turn = [](Vec3f from, Vec3f to) {
+    return arc_deg(std::clamp(from.z * to.x - from.x * to.z, -1.0F, 1.0F));
+  };
+  // A camera that goes round to the person's left sees them turn to the right.
+  const Vec3f place = axes_of(picture).camera(), beside = normalized(Vec3f{place.x, 0, place.z});
+  turned_deg += turn(a, b) - turn(camera_, beside);
+  camera_ = beside;
   return true;
 }
 
@@ -452,7 +462,8 @@ void TurnFitter::Work::add_field() {
     for (std::size_t i = 0; i < space_.point_count; ++i) {
       float off = 0;
       if (!(points_.facing(i) > kFieldFacingMin) || points_.hidden(i) ||
-          !sight.surface_over(points_.in_camera(i), axes_.direction_to_camera(points_.at(i).normal), kFieldGateMm,
+          !sight.surface_over(points_.in_camera(i),
+                              axes_of(*views_[v].picture).direction_to_camera(points_.at(i).normal), kFieldGateMm,
                               off))
         continue;
       seen_[i][seen_count_[i]++] = {off, points_.facing(i) * points_.facing(i)};
@@ -502,7 +513,8 @@ void TurnFitter::Work::finish() {
     for (std::size_t i = 0; i < space_.point_count; ++i) {
       float off = 0;
       if (!(points_.facing(i) > kFacingMin) || points_.hidden(i) ||
-          !sight.surface_over(points_.in_camera(i), axes_.direction_to_camera(points_.at(i).normal), kFieldGateMm,
+          !sight.surface_over(points_.in_camera(i),
+                              axes_of(*views_[v].picture).direction_to_camera(points_.at(i).normal), kFieldGateMm,
                               off))
         continue;
       sum += static_cast<double>(std::fabs(off));

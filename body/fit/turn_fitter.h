@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One body from many depth pictures of a person who turns round before a fixed camera. The body known from the front
+// One body from many depth pictures of a person who turns round before a fixed camera, or about whom a camera is
+// carried. The body known from the front
 // is followed from picture to picture by its pose alone; then one shape and a pose of each of some pictures are
 // fitted together, the shape by people's components and smooth bumps; what is left between skin and pictures becomes
 // a field of offsets. What two views on opposite sides never see, a thickness, is measured so.
@@ -53,7 +54,8 @@ class TurnFitter {
   // body is seen.
   bool follow(const TurnPicture& picture);
   const Pose& pose() const;
-  // How far the person has turned since begin(), degrees: + to the person's left. Through 180 and beyond.
+  // How far the camera has seen the person turn since begin(), degrees: + to the person's left. Through 180 and
+  // beyond.
   float turned_deg() const;
 
   // One to kTurnViewMax pictures; further ones are ignored. Depends on begin() and the views alone, and does not

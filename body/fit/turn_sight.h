@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "body/fit/posed_shape.h"
@@ -22,6 +23,7 @@ struct TurnPicture {
   float depth_unit_mm = 1;
   MaskView mask;
   Intrinsics intrinsics;
+  std::optional<PersonAxes> axes = {};  // of a camera that is carried round; none: it stands where it stood
 };
 // Sizes that agree, and finite intrinsics within those of a camera.
 bool usable(const TurnPicture& picture);

@@ -28,7 +28,7 @@ void phone(EvaluationOptions& o) {
   o.height = 192;
 }
 
-constexpr std::array<Word, 41> kWords = {{
+constexpr std::array<Word, 42> kWords = {{
     {"noise", "a Kinect in a furnished room, 2.0 to 2.6 m away", true, [](EvaluationOptions& o) { o.noise = true; }},
     {"bare", "a perfect sensor in an empty room", true, [](EvaluationOptions& o) { o.noise = false; }},
     {"tof", "a time-of-flight sensor in place of the Kinect", true, [](EvaluationOptions& o) { o.tof = true; }},
@@ -102,6 +102,13 @@ constexpr std::array<Word, 41> kWords = {{
      [](EvaluationOptions& o) {
        o.views = Views::half;
        o.pose = StandingPose::arms_out;
+     }},
+    {"walk-around", "the front, then a camera carried round the person, its pose told, arms held off the body", false,
+     [](EvaluationOptions& o) {
+       o.views = Views::walk;
+       o.pose = StandingPose::arms_out;
+       o.tremor_deg = 1;
+       o.poses_told = true;
      }},
     {"both", "front, then back", true, [](EvaluationOptions& o) { o.views = Views::both; }},
     {"features", "features alone, no shape is fitted", true, [](EvaluationOptions& o) { o.fit = false; }},

@@ -25,8 +25,8 @@ namespace im2fit::lab {
 
 // Which sides of the person the camera is shown. `both`: front first, then the back, once the engine requests the
 // turn.
-// `around`, `half`: the person steps round once, or half, from then on.
-enum class Views { front, back, both, around, half };
+// `around`, `half`: the person steps round once, or half, from then on. `walk`: a camera is carried round the person.
+enum class Views { front, back, both, around, half, walk };
 
 // Who is measured (docs/evaluation.md). `modifiers`: the body model's held-out family, of the same sliders as
 // training people. `ansur`: people of measured dimensions made in another way (evaluation/population/ansur_people.h).

@@ -7,12 +7,14 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "core/camera.h"
 #include "core/rng.h"
 #include "evaluation/measurements/driver_filters.h"
-#include "hal/steady_view.h"
+#include "hal/source.h"
+#include "train/render/scene_axes.h"
 
 namespace im2fit::lab {
 namespace {
@@ -104,6 +106,60 @@ void Tremor::run(std::uint64_t frame, DepthImage picture) {
     }
 }
 
+// What a device tells of a camera that is carried: 5 mm and 0.3 degrees off, half of it drifting slowly. Of one that
+// only turns in a hand, exactly where it looks.
+constexpr double kToldMm = 5, kToldDeg = 0.3;
+constexpr std::uint64_t kToldStream = 0x701D;
+
+hal::CameraPose quaternion_of(const Rigid& r) {
+  const auto& m = r.rotation.m;
+  // Of the largest of the four, by which the others are divided.
+  const std::array<float, 4> squares = {1 + m[0] - m[4] - m[8], 1 - m[0] + m[4] - m[8], 1 - m[0] - m[4] + m[8],
+                                        1 + m[0] + m[4] + m[8]};
+  const auto largest = static_cast<std::size_t>(std::max_element(squares.begin(), squares.end()) - squares.begin());
+  const float root = std::sqrt(squares[largest]), half = 0.5F * root, by = 0.5F / root;
+  switch (largest) {
+    case 0:
+      return {half, (m[1] + m[3]) * by, (m[2] + m[6]) * by, (m[7] - m[5]) * by, r.translation};
+    case 1:
+      return {(m[1] + m[3]) * by, half, (m[5] + m[7]) * by, (m[2] - m[6]) * by, r.translation};
+    case 2:
+      return {(m[2] + m[6]) * by, (m[5] + m[7]) * by, half, (m[3] - m[1]) * by, r.translation};
+    default:
+      return {(m[7] - m[5]) * by, (m[2] - m[6]) * by, (m[3] - m[1]) * by, half, r.translation};
+  }
+}
+
+hal::CameraPose after(const hal::CameraPose& a, const hal::CameraPose& b) {
+  return {a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+          a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
+          a.position_mm};
+}
+
+// `held`: how the hand turns the camera.
+hal::CameraPose told_pose(const Rigid& carried, const hal::CameraPose& held, std::uint64_t seed,
+                          std::uint64_t frame) {
+  const bool is_carried = carried.rotation.m != body::Mat3f{}.m || norm(carried.translation) > 0;
+  if (!is_carried) return held;
+  Rng drift = Rng::for_item(seed, kToldStream, 0), white = Rng::for_item(seed, kToldStream, 1 + frame);
+  const auto error = [&](double sd) {
+    const double phase = drift.uniform(0, 2 * std::numbers::pi), hertz = drift.uniform(0.05, 0.2);
+    return static_cast<float>(sd *
+                              (std::sin(2 * std::numbers::pi * hertz * kFrameS * static_cast<double>(frame) + phase) +
+                               white.normal() * std::numbers::sqrt2 / 2));
+  };
+  Vec3f turn, step;
+  for (float* value : {&turn.x, &turn.y, &turn.z}) *value = error(kToldDeg / std::numbers::sqrt3);
+  for (float* value : {&step.x, &step.y, &step.z}) *value = error(kToldMm / std::numbers::sqrt3);
+  const Rigid off{body::rotation_about(kAxisX, turn.x) * body::rotation_about(kAxisY, turn.y) *
+                      body::rotation_about(kAxisZ, turn.z),
+                  {}};
+  hal::CameraPose told = after(after(quaternion_of(carried), quaternion_of(off)), held);
+  const float length = std::sqrt(told.x * told.x + told.y * told.y + told.z * told.z + told.w * told.w);
+  told = {told.x / length, told.y / length, told.z / length, told.w / length, told.position_mm + step};
+  return told;
+}
+
 constexpr int kShownPerWanted = 3;
 constexpr int kShownMin = 15;  // detecting a person takes some frames, however few are wanted
 
@@ -117,12 +173,17 @@ class Camera {
         edges_(person.edges),
         tremor_(person.tremor_deg, person.capture.seed, sensor),
         poses_told_(person.poses_told),
+        seed_(person.capture.seed),
         upright_k_(hal::rotate_upright(sensor, rotate_deg_)),
         delivered_(static_cast<std::size_t>(sensor.width) * static_cast<std::size_t>(sensor.height)),
         upright_(delivered_.size()),
         sensor_image_(delivered_.data(), sensor.width, sensor.height),
-        image_(upright_.data(), upright_k_.width, upright_k_.height) {
-    steady_.prepare(upright_k_.width, upright_k_.height);
+        image_(upright_.data(), upright_k_.width, upright_k_.height) {}
+  // Of the frame taken last, where the device tells it.
+  std::optional<hal::CameraPose> pose(const VirtualScene& scene, std::uint64_t frame) const {
+    if (!poses_told_) return std::nullopt;
+    const hal::CameraPose held = hal::rotate_upright(tremor_.pose(frame), rotate_deg_);
+    return told_pose(scene.camera_to_rest(frame), held, seed_, frame);
   }
   DepthView take(VirtualScene& scene, std::uint64_t frame) {
     scene.render(frame, sensor_image_);
@@ -132,8 +193,6 @@ class Camera {
     if (scale_ != 1)
       for (std::uint16_t& depth_mm : delivered_) depth_mm = scaled(depth_mm);
     hal::rotate_upright(sensor_image_, rotate_deg_, image_);
-    if (poses_told_ && steady_.take(hal::rotate_upright(tremor_.pose(frame), rotate_deg_)))
-      steady_.run(upright_k_, image_);
     return image_;
   }
 
@@ -148,7 +207,7 @@ class Camera {
   EdgeFilter edges_;
   Tremor tremor_;
   bool poses_told_;
-  hal::SteadyView steady_;
+  std::uint64_t seed_;
   TemporalSmoothing smoothing_;
   Intrinsics upright_k_;
   std::vector<std::uint16_t> delivered_, upright_;
@@ -158,15 +217,15 @@ class Camera {
 constexpr int kFrontShown = 90;  // before the first step
 constexpr std::uint64_t kTurnStream = 0x7024E;
 
-// One scene: the person stands, steps round, and stands a second.
-Status show_turn(Engine& engine, const SessionModels& models, const HeldOutPerson& person, float degrees,
+// One scene: the person stands, steps round, and stands a second. `walk`: or is walked round.
+Status show_turn(Engine& engine, const SessionModels& models, const HeldOutPerson& person, float degrees, bool walk,
                  const JointWatch& watch) {
   const auto& capture = person.capture;
   Rng rng = Rng::for_item(capture.seed, kTurnStream, 0);
   SceneOptions options = capture.scene;
-  options.step_round = {kFrontShown,
-                        static_cast<float>(rng.uniform(kStepRoundSecondsMin, kStepRoundSecondsMax)) * degrees / 360,
-                        degrees};
+  const double whole_s = walk ? rng.uniform(kWalkRoundSecondsMin, kWalkRoundSecondsMax)
+                              : rng.uniform(kStepRoundSecondsMin, kStepRoundSecondsMax);
+  options.step_round = {kFrontShown, static_cast<float>(whole_s) * degrees / 360, degrees, walk};
   VirtualScene scene(models.body, person.subject, options, capture.sensor, capture.intrinsics, capture.seed);
   Camera camera(capture.intrinsics, person);
   const auto frames = static_cast<std::uint64_t>(kFrontShown + 30 + options.step_round.seconds * 30);
@@ -174,7 +233,9 @@ Status show_turn(Engine& engine, const SessionModels& models, const HeldOutPerso
     hal::FrameInfo info;
     info.sequence = frame;
     info.host_ns = static_cast<std::int64_t>(frame) * 33'333'333;
-    if (auto pushed = engine.push(camera.take(scene, frame), info); !pushed) return pushed;
+    const DepthView picture = camera.take(scene, frame);
+    info.pose = camera.pose(scene, frame);
+    if (auto pushed = engine.push(picture, info); !pushed) return pushed;
     const EngineResult now = engine.result();
     if (now.has_joints && watch) watch(now.joints, scene.joints(frame));
   }
@@ -205,15 +266,16 @@ Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const H
   settings.clothing =
       person.clothing_reported ? dressed ? ClothingGiven::dressed : ClothingGiven::bare : ClothingGiven::unknown;
   if (views == Views::both) settings.turn = Turn::back;
-  if (views == Views::around || views == Views::half) {
-    settings.turn = Turn::around;
+  if (views == Views::around || views == Views::half || views == Views::walk) {
+    settings.turn = views == Views::walk ? Turn::walk : Turn::around;
     settings.body = &models.body;
   }
   auto engine = Engine::create(settings, models.joints, models.index);
   if (!engine) return engine.error();
 
-  if (settings.turn == Turn::around) {
-    if (auto shown = show_turn(**engine, models, person, views == Views::half ? 180.0F : 360.0F, watch); !shown)
+  if (is_all_round(settings.turn)) {
+    const float degrees = views == Views::half ? 180.0F : 360.0F;
+    if (auto shown = show_turn(**engine, models, person, degrees, settings.turn == Turn::walk, watch); !shown)
       return shown.error();
     (*engine)->finish();
     if (auto sound = (*engine)->fault(); !sound) return sound.error();
@@ -235,7 +297,9 @@ Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const H
       hal::FrameInfo info;
       info.sequence = frame;
       info.host_ns = static_cast<std::int64_t>(frame) * 33'333'333;
-      if (auto pushed = (*engine)->push(camera.take(scene, frame), info); !pushed) return pushed.error();
+      const DepthView picture = camera.take(scene, frame);
+      info.pose = camera.pose(scene, frame);
+      if (auto pushed = (*engine)->push(picture, info); !pushed) return pushed.error();
       const EngineResult now = (*engine)->result();
       if (now.has_joints && watch) watch(now.joints, scene.joints(frame));
       if (!back && now.state == SessionState::turning) break;  // the turn itself is not shown

@@ -341,6 +341,16 @@ JointSet VirtualScene::joints(std::uint64_t index, std::size_t who) const {
   return out;
 }
 
+Rigid VirtualScene::camera_to_rest(std::uint64_t index) const {
+  if (!impl_->scene.step_round.camera) return {};
+  const Rigid to_camera = impl_->camera.world_to_upright();
+  const auto inverse = [](const Rigid& r) {
+    const body::Mat3f back = transpose(r.rotation);
+    return Rigid{back, back * (r.translation * -1.0F)};
+  };
+  return to_camera * inverse(impl_->people[0].carried(index)) * inverse(to_camera);
+}
+
 FloorPlane VirtualScene::floor() const {
   return {true, impl_->camera.rotation() * kAxisY, impl_->camera.height_mm};
 }

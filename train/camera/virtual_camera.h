@@ -72,7 +72,8 @@ struct SceneOptions {
   FloorPath walk;                      // of the main person; yaw 1e9: along it while walking. Camera and room are
                                        // placed as for a person standing at the origin
   AboutTurn turn;                      // of the main person, on the spot
-  StepRound step_round;                // of the main person; not with `walk` or `turn`
+  StepRound step_round;                // of the main person; not with `walk` or `turn`. Where the camera is carried
+                                       // round the person, the room is carried along: it looks alike from all sides
   std::vector<Bystander> others;       // at most kBystandersMax
   bool furniture_touching = false;     // one or two pieces at the feet or beside the lower legs, 0..40 mm away
   int decoy_count = 0;          // coat stands, chairs with a coat, dog-sized boxes; without a person also where
@@ -109,7 +110,9 @@ class VirtualScene {
   // person, 1.. SceneOptions::others in order; out of range: confidence 0.
   JointSet joints(std::uint64_t index, std::size_t who = 0) const;
   std::size_t people_count() const;  // with the main person, shown or not
-  FloorPlane floor() const;          // known also when SceneOptions::floor is off
+  // Of a camera that is carried round the person: from the axes of the upright picture to those of one that was not.
+  Rigid camera_to_rest(std::uint64_t index) const;
+  FloorPlane floor() const;  // known also when SceneOptions::floor is off
   // Body vertices (body_vertex_count of them, an actor's own) of frame `index`, upright camera axes.
   void person_mesh(std::uint64_t index, std::span<Vec3f> out, std::size_t who = 0) const;
   // What is drawn of a person: body in clothes, skirt, shoes, hair; upright camera axes.

@@ -333,10 +333,11 @@ Rigid ScenePerson::placed(std::uint64_t index) const {
   Rigid sway = plan_.sway ? sway_.at(index) : Rigid{};
   const float turned = share_of_turn(index, plan_.turn);
   if (turned > 0) sway = Rigid{body::rotation_about(kAxisY, -180.0F * turned), {}} * sway;
-  if (steps_round())
-    sway = Rigid{body::rotation_about(kAxisY, stepping_.yaw_deg(index)),
-                 body::rotation_about(kAxisY, yaw_deg_) * stepping_.shift_mm(index)} *
-           sway;
+  if (steps_round()) {
+    const Rigid shifted{{}, body::rotation_about(kAxisY, yaw_deg_) * stepping_.shift_mm(index)};
+    const Rigid carried = stepping_.carried(index);
+    sway = plan_.step_round.camera ? carried * shifted * sway : shifted * carried * sway;
+  }
   const FloorPath& path = plan_.path;
   if (path.frame_count <= 0 && path.from_x_mm == 0 && path.from_z_mm == 0) return sway;
   const float t = share_of_way(index, path);

@@ -86,6 +86,8 @@ class ScenePerson {
   void choose_frame(std::uint64_t index);
 
   Rigid placed(std::uint64_t index) const;  // sway, turn and path: person axes to world
+  // With StepRound::camera: how the world moves before the camera.
+  Rigid carried(std::uint64_t index) const { return plan_.step_round.camera ? stepping_.carried(index) : Rigid{}; }
   bool moves() const {
     return plan_.sway || plan_.path.frame_count > 0 || plan_.turn.frame_count > 0 || steps_round();
   }

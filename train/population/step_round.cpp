@@ -47,10 +47,13 @@ enum Wandering : std::size_t {
   kHeadTurn,
   kShiftX,
   kShiftZ,
+  kCarryX,
+  kCarryZ,
   kWanderingUsed
 };
 constexpr float kArmDeg = 1.8F, kArmForwardDeg = 2, kElbowDeg = 3, kShouldersDeg = 1, kSpreadDeg = 1.2F, kKneeDeg = 1,
-                kSpineDeg = 0.9F, kLeanDeg = 0.8F, kNodDeg = 3, kHeadTurnDeg = 4, kShiftMm = 14;
+                kSpineDeg = 0.9F, kLeanDeg = 0.8F, kNodDeg = 3, kHeadTurnDeg = 4, kShiftMm = 14, kCarryMm = 70,
+                kHoldMm = 8;
 constexpr float kSpreadWithLiftDeg = 1.5F, kTwistWithStepDeg = 2.5F, kLeanWithStepDeg = 0.9F, kShiftWithStepMm = 12;
 
 constexpr std::size_t place_of(Segment s) {
@@ -116,6 +119,7 @@ float StepRoundMotion::yaw_deg(std::uint64_t frame) const {
 
 StepRoundMotion::Stepping StepRoundMotion::stepping(double seconds) const {
   Stepping out;
+  if (plan_.camera) return out;
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     const Step& s = steps_[i];
     const double u = (seconds - s.begin_s) / (s.end_s - s.begin_s);
@@ -135,6 +139,16 @@ Vec3f StepRoundMotion::shift_mm(std::uint64_t frame) const {
   const float onto = kShiftWithStepMm * (step.lifted[1] - step.lifted[0]);  // the standing foot
   return {kShiftMm * wander(kShiftX, t) * 0.7F + onto * static_cast<float>(std::cos(yaw)), 0,
           kShiftMm * wander(kShiftZ, t) * 0.7F - onto * static_cast<float>(std::sin(yaw))};
+}
+
+Rigid StepRoundMotion::carried(std::uint64_t frame) const {
+  Rigid out{body::rotation_about(kAxisY, yaw_deg(frame)), {}};
+  if (!plan_.camera) return out;
+  const double t = seconds_at(frame);
+  const auto begun = static_cast<float>(std::clamp(t, 0.0, 1.0));  // a second until the walk is one
+  const float size_mm = kHoldMm + (kCarryMm - kHoldMm) * begun;
+  out.translation = {size_mm * wander(kCarryX, t), 0, size_mm * wander(kCarryZ, t)};
+  return out;
 }
 
 float StepRoundMotion::breath_mm(std::uint64_t frame) const {

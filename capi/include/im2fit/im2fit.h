@@ -433,8 +433,9 @@ enum {
   IM2FIT_GUIDANCE_CALIBRATION_POSE = 1 << 12, /* raise the arms: upper arms level, hands up */
   IM2FIT_GUIDANCE_TURN_ROUND = 1 << 13,       /* turn the back to the camera. Show it before all other guidance */
   IM2FIT_GUIDANCE_CLOTHED = 1 << 14,          /* measured, but dressed although settings.clothing is BARE */
-  IM2FIT_GUIDANCE_TURN_ON = 1 << 15,    /* turn on the spot, slowly, all round. The person cannot see a screen */
-  IM2FIT_GUIDANCE_TURN_SLOWER = 1 << 16 /* the same, and slower */
+  IM2FIT_GUIDANCE_TURN_ON = 1 << 15,     /* turn on the spot, slowly, all round. The person cannot see a screen */
+  IM2FIT_GUIDANCE_TURN_SLOWER = 1 << 16, /* the same, and slower */
+  IM2FIT_GUIDANCE_WALK_ROUND = 1 << 17   /* to who holds the camera: walk on round the person */
 };
 #define IM2FIT_GUIDANCE_COUNT 17
 
