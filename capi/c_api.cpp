@@ -42,8 +42,8 @@ static_assert(IM2FIT_GUIDANCE_MOVING == static_cast<int>(im2fit::Guidance::movin
 static_assert(IM2FIT_GUIDANCE_CALIBRATION_POSE == static_cast<int>(im2fit::Guidance::calibration_pose));
 static_assert(IM2FIT_GUIDANCE_TURN_ROUND == static_cast<int>(im2fit::Guidance::turn_round));
 static_assert(IM2FIT_GUIDANCE_CLOTHED == static_cast<int>(im2fit::Guidance::clothed));
-static_assert(IM2FIT_GUIDANCE_TURN_SLOWER == static_cast<int>(im2fit::Guidance::turn_slower));
-static_assert(IM2FIT_TURN_AROUND == static_cast<int>(im2fit::Turn::around));
+static_assert(IM2FIT_GUIDANCE_WALK_ROUND == static_cast<int>(im2fit::Guidance::walk_round));
+static_assert(IM2FIT_TURN_WALK == static_cast<int>(im2fit::Turn::walk));
 static_assert(IM2FIT_CLOTHING_DRESSED == static_cast<int>(im2fit::ClothingGiven::dressed));
 // No padding at the end, which callers never set: a field that comes later would be read from it.
 static_assert(sizeof(im2fit_settings) == offsetof(im2fit_settings, calibration_site_data) + sizeof(im2fit_data));

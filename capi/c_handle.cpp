@@ -82,7 +82,7 @@ Status check_settings(const im2fit_settings& s) {
       {"single_thread", s.single_thread, 0, 1},
       {"pool_frames", s.pool_frames, kPoolFramesMin, kPoolFramesMax},
       {"user_id", s.user_id, 0, std::numeric_limits<std::int32_t>::max()},
-      {"turn", s.turn, IM2FIT_TURN_NONE, IM2FIT_TURN_AROUND},
+      {"turn", s.turn, IM2FIT_TURN_NONE, IM2FIT_TURN_WALK},
       {"clothing", s.clothing, IM2FIT_CLOTHING_UNKNOWN, IM2FIT_CLOTHING_DRESSED},
       {"sensor", s.sensor, IM2FIT_SENSOR_UNKNOWN, IM2FIT_SENSOR_TIME_OF_FLIGHT},
   };

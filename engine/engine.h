@@ -43,6 +43,10 @@ enum class Turn : int { none, back, around, walk };
 constexpr bool is_all_round(Turn turn) {
   return turn == Turn::around || turn == Turn::walk;
 }
+// What is asked for in TURNING.
+constexpr Guidance turn_guidance(Turn turn) {
+  return turn == Turn::back ? Guidance::turn_round : turn == Turn::walk ? Guidance::walk_round : Guidance::turn_on;
+}
 // Least turn that is measured: half of one shows front, a side and the back.
 inline constexpr float kTurnEnoughDeg = 150;
 inline constexpr std::array<std::string_view, 4> kTurnNames = {"none", "back", "around", "walk"};

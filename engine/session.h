@@ -96,10 +96,6 @@ struct SessionStep {
   bool measure = false;      // TURNING is over: call after_measuring
   bool drop_back = false;    // before measuring: the front alone
 };
-// What is asked for in TURNING.
-constexpr Guidance turn_guidance(Turn turn) {
-  return turn == Turn::back ? Guidance::turn_round : turn == Turn::walk ? Guidance::walk_round : Guidance::turn_on;
-}
 SessionStep on_detection(const SessionRules& rules, const Session& session, const SessionView& view);
 
 struct OfferStep {

@@ -16,17 +16,21 @@ std::int64_t due_ns(std::uint64_t index) {
 }  // namespace
 
 Result<std::unique_ptr<SyntheticSource>> SyntheticSource::create(const Intrinsics& camera, SourceInfo info,
-                                                                 Generator generator) {
+                                                                 Generator generator, Poser poser) {
   if (auto ok = check_intrinsics(camera, info.name.empty() ? "synthetic camera" : info.name); !ok) return ok.error();
   if (!is_rotation(info.rotate_deg))
     return Error{ErrorCode::invalid_argument,
                  "rotation is " + std::to_string(info.rotate_deg) + ", expected 0, 90, 180 or 270 degrees"};
   if (!generator) return Error{ErrorCode::invalid_argument, "a synthetic source needs a function that makes frames"};
-  return std::unique_ptr<SyntheticSource>(new SyntheticSource(camera, std::move(info), std::move(generator)));
+  return std::unique_ptr<SyntheticSource>(
+      new SyntheticSource(camera, std::move(info), std::move(generator), std::move(poser)));
 }
 
-SyntheticSource::SyntheticSource(const Intrinsics& camera, SourceInfo info, Generator generator)
-    : info_(std::move(info)), path_(camera, info_.rotate_deg), generator_(std::move(generator)) {
+SyntheticSource::SyntheticSource(const Intrinsics& camera, SourceInfo info, Generator generator, Poser poser)
+    : info_(std::move(info)),
+      path_(camera, info_.rotate_deg),
+      generator_(std::move(generator)),
+      poser_(std::move(poser)) {
   if (info_.uri.empty()) info_.uri = "synthetic";
   if (info_.name.empty()) info_.name = "synthetic camera";
   info_.intrinsics = path_.upright();
@@ -60,6 +64,8 @@ Result<FrameInfo> SyntheticSource::next(DepthImage depth, int timeout_ms) {
   frame.sequence = index_;
   frame.host_ns = info_.live ? monotonic_ns() : due_ns(index_);
   frame.device_us = due_ns(index_) / 1000;
+  if (poser_)
+    if (const auto pose = poser_(index_)) frame.pose = rotate_upright(*pose, info_.rotate_deg);
   book_.saw(index_);
   ++index_;
   return frame;

@@ -340,8 +340,8 @@ GuidanceSet reported_guidance(const PersonMeasurement& person) {
   if (!result.measured || result.views != AnswerViews::front) return set;
   if (result.turn == Turn::back) set |= static_cast<GuidanceSet>(Guidance::turn_round);
   // front_measured: a turn was asked for.
-  if (result.turn == Turn::around && result.front_measured && std::fabs(result.turned_deg) < kTurnEnoughDeg)
-    set |= static_cast<GuidanceSet>(Guidance::turn_on);
+  if (is_all_round(result.turn) && result.front_measured && std::fabs(result.turned_deg) < kTurnEnoughDeg)
+    set |= static_cast<GuidanceSet>(turn_guidance(result.turn));
   return set;
 }
 

@@ -105,6 +105,13 @@ Option* App::add_word_flag(const std::string& name, std::string& value, const st
   return keep(app_->add_flag_callback(
       name, [&value, word] { value = word; }, description));
 }
+Option* App::add_choice_flag(const std::string& name, std::string& value,
+                             const std::vector<std::pair<std::string, std::string>>& choices,
+                             const std::string& description) {
+  auto* option = app_->add_flag(name + "{" + choices.front().first + "}", value, description);
+  option->transform(CLI::CheckedTransformer(choices, CLI::ignore_case));
+  return keep(option);
+}
 Option* App::get_option(const std::string& name) {
   return keep(app_->get_option(name));
 }

@@ -70,6 +70,11 @@ class App {
   // Given, it sets `value` to `word`.
   Option* add_word_flag(const std::string& name, std::string& value, const std::string& word,
                         const std::string& description);
+  // `NAME` or `NAME=CHOICE`: sets `value` to the word of the choice, without one of the first. Each is {choice,
+  // word}.
+  Option* add_choice_flag(const std::string& name, std::string& value,
+                          const std::vector<std::pair<std::string, std::string>>& choices,
+                          const std::string& description);
   Option* get_option(const std::string& name);  // throws for a name that was not added
   void remove_option(Option* option);
   App* add_subcommand(const std::string& name, const std::string& description);

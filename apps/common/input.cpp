@@ -95,6 +95,7 @@ Result<Input> open_input(const InputOptions& options) {
     lab::SyntheticActing acting;
     if (options.turn == Turn::back) acting.turn = lab::turn_after(options.turn_after_frames);
     if (options.turn == Turn::around) acting.step_round = lab::step_round_after(options.turn_after_frames);
+    if (options.turn == Turn::walk) acting.step_round = lab::walk_round_after(options.turn_after_frames);
     acting.clothed = options.clothed;
     auto synthetic = lab::open_synthetic(seed, options.body, o.rotate_deg.value_or(90), o.width, o.height, acting);
     if (!synthetic) return synthetic.error();

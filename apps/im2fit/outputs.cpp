@@ -291,13 +291,15 @@ std::vector<std::string> session_notes(const SessionOutcome& outcome) {
                     outcome.person.result.frames_back, EngineSettings{}.frames_min));
   const EngineResult& result = outcome.person.result;
   const float turned = std::fabs(result.turned_deg);
-  if (result.turn == Turn::around && result.views == AnswerViews::front) {
+  if (is_all_round(result.turn) && result.views == AnswerViews::front) {
     const std::string why =
         !result.front_measured
             ? "a turn is measured of people without loose clothes, with the floor in view, and with a "
               "camera whose driver does not blend edges"
         : turned < kTurnEnoughDeg
-            ? fmt::format("the person turned by {:.0f} degrees, {:.0f} are needed", turned, kTurnEnoughDeg)
+            ? fmt::format("{} by {:.0f} degrees, {:.0f} are needed",
+                          result.turn == Turn::walk ? "the camera was carried round" : "the person turned", turned,
+                          kTurnEnoughDeg)
             : "no body fits the pictures of the turn";
     notes.push_back("measured from the front alone: " + why);
   }

@@ -43,6 +43,9 @@ std::string upper(std::string text) {
 std::string turn_words(const EngineResult& result) {
   if (has(result.guidance, Guidance::turn_round)) return "please turn round";
   const bool slower = has(result.guidance, Guidance::turn_slower);
+  if (result.turn == Turn::walk && (slower || has(result.guidance, Guidance::walk_round)))
+    return fmt::format("please walk round them {}: {:.0f} of 360 degrees", slower ? "more slowly" : "slowly",
+                       std::fabs(result.turned_deg));
   if (!slower && !has(result.guidance, Guidance::turn_on)) return "";
   return fmt::format("please turn {}, once all round: {:.0f} of 360 degrees", slower ? "more slowly" : "slowly",
                      std::fabs(result.turned_deg));
@@ -53,7 +56,7 @@ std::string state_words(const EngineResult& result, int frames_wanted) {
   if (result.user != 0) words += fmt::format("  user {}  {}", result.user, name_of(result.view));
   if (result.state == SessionState::tracking)
     words += fmt::format("  {} of {} good frames", result.frames_used, frames_wanted);
-  if (result.state == SessionState::turning && result.turn == Turn::around)
+  if (result.state == SessionState::turning && is_all_round(result.turn))
     words += fmt::format("  turned {:.0f} of 360 degrees", std::fabs(result.turned_deg));
   else if (result.state == SessionState::turning)
     words += fmt::format("  {} of {} good frames of the back", result.frames_back, frames_wanted);

@@ -39,12 +39,12 @@ void add_session_options(cli::App& sub, SessionOptions& options) {
       "--turn", options.turn, "back",
       "Measure front and back: guidance TURN_ROUND requests the turn. If the person does not turn within 15 s, "
       "or leaves, the front alone is used");
-  sub.add_word_flag("--around", options.turn, "around",
-                    "Measure all round, for a better stature, waist, hip and weight: after the front the person "
-                    "turns once on the "
-                    "spot, slowly, in 6 to 15 s, the arms held off the body. Half a turn is enough; with less the "
-                    "front alone is "
-                    "used")
+  sub.add_choice_flag(
+         "--around", options.turn, {{"person", "around"}, {"camera", "walk"}},
+         "Measure all round, for a better stature, waist, hip and weight: after the front the person "
+         "turns once on the spot, slowly, in 6 to 15 s, the arms held off the body. --around=camera: the "
+         "person stands still, and the camera is carried round in 10 to 30 s; the source must tell the "
+         "camera's poses. Half a turn is enough; with less the front alone is used")
       ->excludes(turn);
   sub.add_option(
          "--clothing", options.clothing,

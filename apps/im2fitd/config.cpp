@@ -64,7 +64,7 @@ Reader turn(std::string& field) {
     else if (node.IsScalar() && YAML::convert<bool>::decode(node, back))
       field = kTurnNames[back ? 1 : 0];
     else
-      refuse(node, "is " + shown(node) + ", expected none, back or around");
+      refuse(node, "is " + shown(node) + ", expected none, back, around or walk");
   };
 }
 

@@ -308,7 +308,7 @@ void LivePage::see(const FrameSeen& frame) {
 void LivePage::move(const FrameSeen& frame) {
   const EngineResult& result = frame.result;
   Json event = {{"event", "frame"}, {"frames_used", result.frames_used}, {"frames_back", result.frames_back}};
-  if (result.turn == Turn::around) event["turned_deg"] = std::lround(std::fabs(result.turned_deg));
+  if (is_all_round(result.turn)) event["turned_deg"] = std::lround(std::fabs(result.turned_deg));
   const std::lock_guard lock(visit_mutex_);
   if (result.has_joints && all_finite(result.display_joints)) {
     Json joints = Json::array(), pixels = Json::array();

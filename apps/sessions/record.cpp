@@ -122,7 +122,7 @@ class Fields {
                std::find(kTurnNames.begin(), kTurnNames.end(), found->get<std::string>()) != kTurnNames.end()) {
       value = found->get<std::string>();
     } else {
-      wrong("settings.turn", "is not none, back or around");
+      wrong("settings.turn", "is not none, back, around or walk");
     }
   }
   const Json& object(const Json& json, const char* key, bool needed) {

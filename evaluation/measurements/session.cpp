@@ -14,7 +14,6 @@
 #include "core/rng.h"
 #include "evaluation/measurements/driver_filters.h"
 #include "hal/source.h"
-#include "train/render/scene_axes.h"
 
 namespace im2fit::lab {
 namespace {
@@ -111,25 +110,6 @@ void Tremor::run(std::uint64_t frame, DepthImage picture) {
 constexpr double kToldMm = 5, kToldDeg = 0.3;
 constexpr std::uint64_t kToldStream = 0x701D;
 
-hal::CameraPose quaternion_of(const Rigid& r) {
-  const auto& m = r.rotation.m;
-  // Of the largest of the four, by which the others are divided.
-  const std::array<float, 4> squares = {1 + m[0] - m[4] - m[8], 1 - m[0] + m[4] - m[8], 1 - m[0] - m[4] + m[8],
-                                        1 + m[0] + m[4] + m[8]};
-  const auto largest = static_cast<std::size_t>(std::max_element(squares.begin(), squares.end()) - squares.begin());
-  const float root = std::sqrt(squares[largest]), half = 0.5F * root, by = 0.5F / root;
-  switch (largest) {
-    case 0:
-      return {half, (m[1] + m[3]) * by, (m[2] + m[6]) * by, (m[7] - m[5]) * by, r.translation};
-    case 1:
-      return {(m[1] + m[3]) * by, half, (m[5] + m[7]) * by, (m[2] - m[6]) * by, r.translation};
-    case 2:
-      return {(m[2] + m[6]) * by, (m[5] + m[7]) * by, half, (m[3] - m[1]) * by, r.translation};
-    default:
-      return {(m[7] - m[5]) * by, (m[2] - m[6]) * by, (m[3] - m[1]) * by, half, r.translation};
-  }
-}
-
 hal::CameraPose after(const hal::CameraPose& a, const hal::CameraPose& b) {
   return {a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
           a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
@@ -137,10 +117,9 @@ hal::CameraPose after(const hal::CameraPose& a, const hal::CameraPose& b) {
 }
 
 // `held`: how the hand turns the camera.
-hal::CameraPose told_pose(const Rigid& carried, const hal::CameraPose& held, std::uint64_t seed,
+hal::CameraPose told_pose(const hal::CameraPose& carried, const hal::CameraPose& held, std::uint64_t seed,
                           std::uint64_t frame) {
-  const bool is_carried = carried.rotation.m != body::Mat3f{}.m || norm(carried.translation) > 0;
-  if (!is_carried) return held;
+  if (carried.w == 1 && norm(carried.position_mm) == 0) return held;
   Rng drift = Rng::for_item(seed, kToldStream, 0), white = Rng::for_item(seed, kToldStream, 1 + frame);
   const auto error = [&](double sd) {
     const double phase = drift.uniform(0, 2 * std::numbers::pi), hertz = drift.uniform(0.05, 0.2);
@@ -148,16 +127,15 @@ hal::CameraPose told_pose(const Rigid& carried, const hal::CameraPose& held, std
                               (std::sin(2 * std::numbers::pi * hertz * kFrameS * static_cast<double>(frame) + phase) +
                                white.normal() * std::numbers::sqrt2 / 2));
   };
-  Vec3f turn, step;
-  for (float* value : {&turn.x, &turn.y, &turn.z}) *value = error(kToldDeg / std::numbers::sqrt3);
+  // Of a small turn the quaternion is half of it, in radians.
+  constexpr double kHalf = std::numbers::pi / 360 / std::numbers::sqrt3;
+  hal::CameraPose off;
+  for (float* value : {&off.x, &off.y, &off.z}) *value = error(kToldDeg * kHalf);
+  Vec3f step;
   for (float* value : {&step.x, &step.y, &step.z}) *value = error(kToldMm / std::numbers::sqrt3);
-  const Rigid off{body::rotation_about(kAxisX, turn.x) * body::rotation_about(kAxisY, turn.y) *
-                      body::rotation_about(kAxisZ, turn.z),
-                  {}};
-  hal::CameraPose told = after(after(quaternion_of(carried), quaternion_of(off)), held);
+  const hal::CameraPose told = after(after(carried, off), held);
   const float length = std::sqrt(told.x * told.x + told.y * told.y + told.z * told.z + told.w * told.w);
-  told = {told.x / length, told.y / length, told.z / length, told.w / length, told.position_mm + step};
-  return told;
+  return {told.x / length, told.y / length, told.z / length, told.w / length, told.position_mm + step};
 }
 
 constexpr int kShownPerWanted = 3;
@@ -183,7 +161,7 @@ class Camera {
   std::optional<hal::CameraPose> pose(const VirtualScene& scene, std::uint64_t frame) const {
     if (!poses_told_) return std::nullopt;
     const hal::CameraPose held = hal::rotate_upright(tremor_.pose(frame), rotate_deg_);
-    return told_pose(scene.camera_to_rest(frame), held, seed_, frame);
+    return told_pose(scene.camera_pose(frame), held, seed_, frame);
   }
   DepthView take(VirtualScene& scene, std::uint64_t frame) {
     scene.render(frame, sensor_image_);

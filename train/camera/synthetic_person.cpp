@@ -23,6 +23,11 @@ StepRound step_round_after(int frames) {
   return {frames, kSeconds, 360};
 }
 
+StepRound walk_round_after(int frames) {
+  constexpr float kSeconds = 15;  // people take 10 to 30
+  return {frames, kSeconds, 360, true};
+}
+
 void dress(SceneOptions& scene) {
   scene.clothing = Clothing::normal;
   scene.hair = true;
@@ -108,11 +113,19 @@ Result<SyntheticInput> open_synthetic(const std::string& seed, const std::string
   info.name = "virtual Kinect";
   info.sensor = kinect_sensor().kind;
   info.rotate_deg = rotate_deg;
-  auto source = hal::SyntheticSource::create(person->scene().intrinsics(), info,
-                                             [model, person](std::uint64_t index, DepthImage out) {
-                                               person->scene().render(index, out);
-                                               return true;
-                                             });
+  hal::SyntheticSource::Poser poser;
+  // Turned back: the source turns it upright.
+  if (acting.step_round.camera)
+    poser = [person, rotate_deg](std::uint64_t index) {
+      return hal::rotate_upright(person->scene().camera_pose(index), (360 - rotate_deg) % 360);
+    };
+  auto source = hal::SyntheticSource::create(
+      person->scene().intrinsics(), info,
+      [model, person](std::uint64_t index, DepthImage out) {
+        person->scene().render(index, out);
+        return true;
+      },
+      poser);
   if (!source) return source.error();
   return SyntheticInput{std::move(*source), person->truth(0)};
 }

@@ -29,6 +29,8 @@ inline constexpr int kTurnFrames = 45;
 AboutTurn turn_after(int frames);
 // The same, who then steps round once.
 StepRound step_round_after(int frames);
+// The same, whom a camera is then carried round once.
+StepRound walk_round_after(int frames);
 
 // A furnished room seen by a camera in portrait mount.
 SceneOptions furnished_room();

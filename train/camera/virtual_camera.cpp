@@ -17,6 +17,25 @@ constexpr std::size_t kSubjectsKept = 32;  // bystanders that come again
 
 enum Stream : std::uint64_t { kRoomStream = 0x5C03, kOthersStream = 0x5C06 };
 
+hal::CameraPose camera_pose_of(const Rigid& r) {
+  const auto& m = r.rotation.m;
+  // Of the largest of the four, by which the others are divided.
+  const std::array<float, 4> squares = {1 + m[0] - m[4] - m[8], 1 - m[0] + m[4] - m[8], 1 - m[0] - m[4] + m[8],
+                                        1 + m[0] + m[4] + m[8]};
+  const auto largest = static_cast<std::size_t>(std::max_element(squares.begin(), squares.end()) - squares.begin());
+  const float root = std::sqrt(squares[largest]), half = 0.5F * root, by = 0.5F / root;
+  switch (largest) {
+    case 0:
+      return {half, (m[1] + m[3]) * by, (m[2] + m[6]) * by, (m[7] - m[5]) * by, r.translation};
+    case 1:
+      return {(m[1] + m[3]) * by, half, (m[5] + m[7]) * by, (m[2] - m[6]) * by, r.translation};
+    case 2:
+      return {(m[2] + m[6]) * by, (m[5] + m[7]) * by, half, (m[3] - m[1]) * by, r.translation};
+    default:
+      return {(m[7] - m[5]) * by, (m[2] - m[6]) * by, (m[3] - m[1]) * by, half, r.translation};
+  }
+}
+
 }  // namespace
 
 struct VirtualScene::Impl {
@@ -341,14 +360,14 @@ JointSet VirtualScene::joints(std::uint64_t index, std::size_t who) const {
   return out;
 }
 
-Rigid VirtualScene::camera_to_rest(std::uint64_t index) const {
+hal::CameraPose VirtualScene::camera_pose(std::uint64_t index) const {
   if (!impl_->scene.step_round.camera) return {};
   const Rigid to_camera = impl_->camera.world_to_upright();
   const auto inverse = [](const Rigid& r) {
     const body::Mat3f back = transpose(r.rotation);
     return Rigid{back, back * (r.translation * -1.0F)};
   };
-  return to_camera * inverse(impl_->people[0].carried(index)) * inverse(to_camera);
+  return camera_pose_of(to_camera * inverse(impl_->people[0].carried(index)) * inverse(to_camera));
 }
 
 FloorPlane VirtualScene::floor() const {

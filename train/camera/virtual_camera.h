@@ -20,6 +20,7 @@
 #include "body/skeleton.h"
 #include "core/camera.h"
 #include "core/joints.h"
+#include "hal/source.h"
 #include "perception/segment/segment.h"
 #include "train/camera/depth_sensor.h"
 #include "train/population/clothing.h"
@@ -110,8 +111,9 @@ class VirtualScene {
   // person, 1.. SceneOptions::others in order; out of range: confidence 0.
   JointSet joints(std::uint64_t index, std::size_t who = 0) const;
   std::size_t people_count() const;  // with the main person, shown or not
-  // Of a camera that is carried round the person: from the axes of the upright picture to those of one that was not.
-  Rigid camera_to_rest(std::uint64_t index) const;
+  // Of the upright picture, where the camera is carried round the person: the place at rest is where it would stand
+  // if it were not.
+  hal::CameraPose camera_pose(std::uint64_t index) const;
   FloorPlane floor() const;  // known also when SceneOptions::floor is off
   // Body vertices (body_vertex_count of them, an actor's own) of frame `index`, upright camera axes.
   void person_mesh(std::uint64_t index, std::span<Vec3f> out, std::size_t who = 0) const;

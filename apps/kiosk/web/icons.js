@@ -11,6 +11,7 @@ const kIcons = {
   NO_PERSON: '<path d="M2 12h7M6 8.5l3.5 3.5L6 15.5"/><g transform="translate(6 0)">' + kPerson + '</g>',
   TURN_ROUND: '<g transform="translate(4.8 4) scale(.6)">' + kPerson + '</g><path d="M20.5 7A10 10 0 1 1 12 2.2M20.5 7l-4.2-.6M20.5 7l.8-4"/>',
   TURN_ON: '<g transform="translate(4.8 4) scale(.6)">' + kPerson + '</g><path d="M12 2.2A10 10 0 1 0 20.5 7M20.5 7l-4.2-.6M20.5 7l.8-4"/>',
+  WALK_ROUND: '<g transform="translate(4.8 4) scale(.6)">' + kPerson + '</g><path d="M12 2.2A10 10 0 1 0 20.5 7M20.5 7l-4.2-.6M20.5 7l.8-4"/>',
   TURN_SLOWER: '<g transform="translate(4.8 4) scale(.6)">' + kPerson + '</g><path d="M12 2.2A10 10 0 1 0 20.5 7" stroke-dasharray="2.5 2.5"/>',
   SEVERAL_PEOPLE: kSmallPerson + '<path d="M13 6l8 12M21 6l-8 12"/>',
   TOO_NEAR: kSmallPerson + '<path d="M12 12h10M18.5 8.5L22 12l-3.5 3.5"/>',

@@ -149,9 +149,11 @@ enum {
 
 /* What is measured besides the front. */
 enum {
-  IM2FIT_TURN_NONE = 0,  /* nothing */
-  IM2FIT_TURN_BACK = 1,  /* the back, once the person has turned it to the camera */
-  IM2FIT_TURN_AROUND = 2 /* all round: one slow turn on the spot. Waist, hip and weight gain most; needs body_path */
+  IM2FIT_TURN_NONE = 0,   /* nothing */
+  IM2FIT_TURN_BACK = 1,   /* the back, once the person has turned it to the camera */
+  IM2FIT_TURN_AROUND = 2, /* all round: one slow turn on the spot. Waist, hip and weight gain most; needs body_path */
+  IM2FIT_TURN_WALK = 3    /* the same, of a person who stands still, with a camera that is carried round: each
+                           * im2fit_frame tells its pose; needs body_path */
 };
 
 /* What the person wears. */
@@ -237,7 +239,8 @@ typedef struct im2fit_frame {
    * quaternion from the axes of the frame as delivered to axes at rest. x_mm .. z_mm is the position of the camera
    * in those axes, within 1 km; all 0: the camera only turns. All seven 0: unknown, and the frame is used as it is.
    * Each frame is resampled to the view of the first frame with a pose (nearest sample). A turn of more than 10
-   * degrees or a step of more than 150 mm begins a new view. The first frame with a pose allocates.
+   * degrees or a step of more than 150 mm begins a new view; with settings.turn = IM2FIT_TURN_WALK each frame of a
+   * camera that is carried at 0.15 m/s or more is a view of its own. The first frame with a pose allocates.
    * ARKit and OpenGL have y up and z backwards: negate y and z of the axes on the camera's side. That turns
    * (x, y, z, w) into (w, z, -y, -x). */
   float turn_x, turn_y, turn_z, turn_w;
@@ -411,7 +414,7 @@ enum {
    * im2fit_reset or im2fit_next. */
   IM2FIT_STATE_LOST,
   /* settings.turn: the front is measured (im2fit_result.front_measured). TURN_BACK: frames of the back are being
-   * accumulated. TURN_AROUND: the person is followed through the turn. MEASURED follows. It rests on the
+   * accumulated. TURN_AROUND, TURN_WALK: the person is followed through the turn. MEASURED follows. It rests on the
    * front alone when too little of the back, or of the turn (150 degrees), was seen within 450 frames. */
   IM2FIT_STATE_TURNING
 };
@@ -536,7 +539,9 @@ typedef struct im2fit_result {
   float clothing_ease_mm;                 /* expected gap of cloth and skin at the trunk, mm; NaN: not estimated */
   uint32_t known_used;                    /* IM2FIT_KNOWN_..., or-ed: facts of im2fit_set_known in the measurement */
   uint32_t known_doubted;                 /* the same: left out, because they do not fit what was seen */
-  float turned_deg; /* TURN_AROUND, from TURNING on: the farthest the person has turned; + to the person's left */
+  /* TURN_AROUND, TURN_WALK, from TURNING on: the farthest the person has turned, as the camera sees it; + to the
+   * person's left. */
+  float turned_deg;
 } im2fit_result;
 
 /* Copies the latest result, consistent in itself. Never waits for the engine. Any thread. `struct_size` is sizeof

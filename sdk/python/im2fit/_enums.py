@@ -79,6 +79,7 @@ class GuidanceCode(_Number):
     CLOTHED = 1 << 14
     TURN_ON = 1 << 15
     TURN_SLOWER = 1 << 16
+    WALK_ROUND = 1 << 17
 
 
 class View(_Number):
@@ -91,11 +92,13 @@ class View(_Number):
 
 
 class Turn(_Number):
-    """What is measured besides the front. AROUND: one slow turn on the spot; waist, hip and weight gain most."""
+    """What is measured besides the front. AROUND: one slow turn on the spot; waist, hip and weight gain most. WALK: the
+    same, but the person stands still and the camera is carried round; each frame has its pose."""
 
     NONE = 0
     BACK = 1
     AROUND = 2
+    WALK = 3
 
 
 class Sensor(_Number):
