@@ -109,7 +109,9 @@ Option* App::add_choice_flag(const std::string& name, std::string& value,
                              const std::vector<std::pair<std::string, std::string>>& choices,
                              const std::string& description) {
   auto* option = app_->add_flag(name + "{" + choices.front().first + "}", value, description);
-  option->transform(CLI::CheckedTransformer(choices, CLI::ignore_case));
+  std::string names;
+  for (const auto& [choice, word] : choices) names += (names.empty() ? "" : "|") + choice;
+  option->transform(CLI::CheckedTransformer(choices).description("=" + names));
   return keep(option);
 }
 Option* App::get_option(const std::string& name) {

@@ -89,6 +89,24 @@ TEST_F(StepsRound, IsMeasuredAllRoundWithTheOption) {
   }
 }
 
+// The person of `synthetic` stands, and the camera is carried round, its poses told.
+TEST(CarriedRound, IsMeasuredAllRound) {
+  std::string on_two;
+  for (const char* threads : {"2", "1"}) {
+    const test::Run run = test::run_program({test::kProgram, "measure", "synthetic:7", "--around=camera", "--json",
+                                             "--frames", "12", "--threads", threads, "--body", test::body_path(),
+                                             "--tracker", test::tracker_path(), "--index", test::index_path()});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const auto result = nlohmann::json::parse(run.out, nullptr, false);
+    ASSERT_FALSE(result.is_discarded()) << run.out;
+    EXPECT_EQ(result["views"], "around");
+    EXPECT_GE(std::abs(result["turned_deg"].get<double>()), 330);
+    EXPECT_EQ(result["guidance"], nlohmann::json::array());
+    if (on_two.empty()) on_two = run.out;
+    EXPECT_EQ(run.out, on_two) << "on one thread as on two";
+  }
+}
+
 TEST_F(StepsRound, GivesTheSameBytesOnOneThread) {
   EXPECT_EQ(measured({"--around", "--frames", "12", "--threads", "1"}).dump(),
             measured({"--around", "--frames", "12", "--threads", "2"}).dump());

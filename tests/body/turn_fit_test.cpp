@@ -198,6 +198,56 @@ TEST(TurnFit, AGirthBeyondAllTeachersIsMeasured) {
   EXPECT_GT(person.truth()[waist], plain.truth()[waist] + 300);
 }
 
+// The axes of a camera that was carried round by so much to the person's right: it sees the picture of the person
+// turned by so much to the left. Told a little wrong, but for the floor.
+PersonAxes carried_by(const PersonAxes& front, float yaw_deg, Vec3f off_mm) {
+  const Mat3f turn = rotation_about({0, 1, 0}, yaw_deg);  // about the vertical: the same in both axes
+  const Vec3f centre{0, 0, kDistanceMm};
+  return front.seen_from(turn, centre - turn * centre + off_mm, {true, {0, -1, 0}, kCameraHeightMm});
+}
+
+TEST(TurnFit, ACameraCarriedRoundMeasuresAsAPersonWhoTurns) {
+  IM2FIT_NEEDS_SPACE();
+  const BodyModel& model = *real_body();
+  const Turning person(model, 0, 0);
+  const Turned turned = turn(model, person);
+  ASSERT_TRUE(turned.valid);
+  ShapeFitter front(model.shape_space());
+  TurnFitter fitter(model.shape_space());
+  std::vector<Turning::Picture> kept = {person.picture(0)};
+  kept.reserve(kTurnViewMax);
+  const FitView view = person.front(kept[0]);
+  const ShapeFit& fit = front.run({&view, 1});
+  const PersonAxes axes(view.joints, view.floor);
+  fitter.begin(std::span(fit.shape).first(model.shape_space().shape_count), fit.pose, axes, true);
+  std::vector<TurnView> views = {{kept[0].view(), fit.pose}};
+  for (int i = 1; i <= 30; ++i) {
+    const float yaw = 12.0F * static_cast<float>(i);
+    Turning::Picture picture = person.picture(yaw);
+    TurnPicture seen = picture.view();
+    seen.axes = carried_by(axes, yaw, {i % 2 == 0 ? 5.0F : -5.0F, 20, 4});
+    ASSERT_TRUE(fitter.follow(seen)) << yaw;
+    EXPECT_NEAR(fitter.turned_deg(), yaw, 8);
+    // The person stands still.
+    EXPECT_GT(fitter.pose().rotation[0].m[8], 0.97F) << yaw;
+    if (views.size() < 8 && fitter.turned_deg() >= 45.0F * static_cast<float>(views.size())) {
+      kept.push_back(std::move(picture));
+      views.push_back({kept.back().view(), fitter.pose()});
+      views.back().picture.axes = seen.axes;
+    }
+  }
+  EXPECT_EQ(views.size(), 8U);
+  const TurnFit& found = fitter.run(views);
+  ASSERT_TRUE(found.valid);
+  std::vector<Vec3f> mesh(static_cast<std::size_t>(model.vertex_count()));
+  model.morph({}, mesh);
+  PointMesh(model).run(found.points, found.bones, mesh);
+  const MeasurementValues values = measure_rest_mesh(model, mesh, person.gender());
+  for (const Measurement id :
+       {Measurement::stature, Measurement::chest_girth, Measurement::waist_girth, Measurement::hip_girth})
+    EXPECT_NEAR(values[measurement_index(id)], turned.values[measurement_index(id)], 4) << static_cast<int>(id);
+}
+
 TEST(TurnFit, NothingIsAllocatedAfterConstruction) {
   IM2FIT_NEEDS_SPACE();
   const BodyModel& model = *real_body();

@@ -123,10 +123,10 @@ class FakeStages : public FrameStages {
     return 0;
   }
   // A shot's value is how far the person has turned.
-  bool follow(DepthView depth, MaskView, const Intrinsics&) override {
+  bool follow(const TurnFrame& frame) override {
     if (!turned_) return false;
     ++back_.frame_count;
-    turned_deg_ = depth.at(5, 5);
+    turned_deg_ = frame.depth.at(5, 5);
     return true;
   }
   float turned_deg() const override { return turned_deg_; }

@@ -454,6 +454,17 @@ TEST(TurningAround, AsksForASlowerTurnUntilItIsPlainlySlower) {
   }
 }
 
+// Who holds the camera is spoken to.
+TEST(TurningAround, ACameraIsAskedToBeCarriedRound) {
+  SessionRules rules = around_rules();
+  rules.turn = Turn::walk;
+  EXPECT_EQ(on_detection(rules, in_turning(false), turned(15)).guidance,
+            static_cast<GuidanceSet>(Guidance::walk_round));
+  EXPECT_EQ(on_detection(rules, in_turning(false), turned(21, 0, 3, 7)).guidance,
+            static_cast<GuidanceSet>(Guidance::turn_slower));
+  EXPECT_TRUE(on_detection(rules, in_turning(false), turned(-331)).measure);
+}
+
 TEST(TurningAround, EveryTurnIsOfferedAtTheEnd) {
   Session session = in_turning(false);
   session.arms.session = {9, 9};

@@ -159,6 +159,33 @@ TEST_F(SteadyViewTest, AnOppositeQuaternionIsTheSameTurn) {
   EXPECT_NEAR(down.z, again.z, 1e-6F);
 }
 
+// Of a camera that is carried at half a metre a second each frame is a view of its own; in the hand of somebody who
+// stands it is steadied again, although its told place trembles by some mm.
+TEST_F(SteadyViewTest, AWalkingCameraIsLeftAloneWhereWalksAreFollowed) {
+  constexpr float kFrameS = 1.0F / 30;
+  const auto at = [&](float x_mm, int i) {
+    CameraPose pose = rest_;
+    pose.position_mm = rest_.position_mm + Vec3f{x_mm + (i % 2 == 0 ? 3.0F : -3.0F), 0, 0};
+    return pose;
+  };
+  for (const bool follows : {false, true}) {
+    view_.forget();
+    view_.follow_walks(follows);
+    static_cast<void>(view_.take(at(0, 0), kFrameS));
+    int changed_standing = 0, changed_walking = 0, changed_after = 0;
+    for (int i = 1; i < 60; ++i) changed_standing += view_.take(at(0, i), kFrameS) ? 1 : 0;
+    for (int i = 0; i < 60; ++i)
+      changed_walking += view_.take(at(500 * kFrameS * static_cast<float>(i), i), kFrameS) && i >= 10 ? 1 : 0;
+    for (int i = 0; i < 60; ++i) changed_after += view_.take(at(1000, i), kFrameS) && i >= 30 ? 1 : 0;
+    EXPECT_GE(changed_standing, 28);
+    EXPECT_GE(changed_after, 14);
+    if (follows)
+      EXPECT_EQ(changed_walking, 0);
+    else
+      EXPECT_GE(changed_walking, 35);
+  }
+}
+
 // Gravity given in a turned camera's axes is the view's.
 TEST_F(SteadyViewTest, ADirectionIsTurnedAlong) {
   const CameraPose pose = turned_about({3, 1, 2}, 7);

@@ -440,7 +440,7 @@ enum {
   IM2FIT_GUIDANCE_TURN_SLOWER = 1 << 16, /* the same, and slower */
   IM2FIT_GUIDANCE_WALK_ROUND = 1 << 17   /* to who holds the camera: walk on round the person */
 };
-#define IM2FIT_GUIDANCE_COUNT 17
+#define IM2FIT_GUIDANCE_COUNT 18
 
 /* The arms, the person's own left and right: bits. */
 enum { IM2FIT_ARM_LEFT = 1 << 0, IM2FIT_ARM_RIGHT = 1 << 1 };
