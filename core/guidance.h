@@ -31,7 +31,7 @@ enum class Guidance : std::uint32_t {
   walk_round = 1U << 17,        // to who holds the camera: walk on round the person
 };
 inline constexpr int kTooFarMm = 4000;  // people further away than this are too_far
-inline constexpr std::size_t kGuidanceCount = 17;
+inline constexpr std::size_t kGuidanceCount = 18;
 inline constexpr std::array<std::string_view, kGuidanceCount> kGuidanceNames = {
     "NO_PERSON",        "TOO_NEAR",    "TOO_FAR", "FEET_CUT",       "HEAD_CUT",    "ARMS_CLOSE",
     "NOT_FRONTAL",      "NOT_UPRIGHT", "MOVING",  "SEVERAL_PEOPLE", "TOO_NOISY",   "SIDE_CUT",
