@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth folders in and out (docs/formats.md): NNNNNN.png or .pgm in mm, camera.yaml, optional timestamps.csv.
+// Depth folders in and out (docs/cameras): NNNNNN.png or .pgm in mm, camera.yaml, and optionally timestamps.csv,
+// poses.csv (hal/folder/pose_rows.h) and confidence/NNNNNN.png.
 //
 // timestamps.csv: a header naming its columns, then a row a frame. Columns: frame (the file's number) and host_ns,
 // device_us or both; times must grow from row to row. Without it frames are taken to be 1/30 s apart. A camera that
 // measures gravity also has down_x, down_y and down_z (FrameInfo::down), empty where it was not read. They refer to
 // upright pictures and are ignored in a folder with a rotation.
+//
+// poses.csv: for the frames as stored; a frame without a row has no pose. confidence/: one 8-bit picture for each
+// frame; pixels below camera.yaml's im2fit_confidence_min have no depth.
 #pragma once
 
 #include <memory>
@@ -16,6 +20,9 @@
 #include "hal/frame_path.h"
 
 namespace im2fit::hal {
+
+// Where camera.yaml does not specify it: the highest of ARKit's levels 0, 1, 2.
+inline constexpr int kConfidenceMin = 2;
 
 struct FolderOptions {
   std::optional<int> rotate_deg;  // overrides camera.yaml's im2fit_rotate_deg; 0 when neither says
@@ -46,6 +53,9 @@ class FolderSource final : public Source {
   Status scan(const std::string& path);
   Status check_frames(const Intrinsics& camera) const;
   Status read_timestamps(const std::string& path);
+  Status read_poses(const std::string& path);
+  Status check_confidence();
+  Status drop_unsure(const Frame& frame);
 
   SourceInfo info_;
   UprightPath path_;
@@ -54,6 +64,9 @@ class FolderSource final : public Source {
   double unit_mm_ = 1;
   std::vector<std::byte> file_bytes_;
   DepthDecoder decoder_;
+  std::string confidence_folder_;  // "": there is none
+  int confidence_min_ = kConfidenceMin;
+  std::vector<std::uint8_t> confidence_;
   SequenceBook book_;
 };
 
