@@ -79,8 +79,8 @@ class FolderWriter {
     IntrinsicsOrigin origin = IntrinsicsOrigin::calibration_file;
   };
   // Makes the folder and writes camera.yaml. Refuses a folder that already holds frames. Whatever ends the program
-  // afterwards, the folder is a recording up to the last frame written: a frame appears whole, after its row of
-  // timestamps.csv.
+  // afterwards, the folder is a recording up to the last frame written: a frame appears whole, after its rows of
+  // timestamps.csv and, of a camera that moves, poses.csv.
   static Result<std::unique_ptr<FolderWriter>> create(const std::string& path, const Intrinsics& intrinsics,
                                                       const Options& options);
   ~FolderWriter();  // finishes; call finish() to learn of errors
@@ -90,7 +90,7 @@ class FolderWriter {
   // Files are numbered by info.sequence from 0, so that gaps stay visible. A frame that fails leaves no file behind.
   // Times that do not grow are dropped: the device_us column, or the whole timestamps.csv.
   Status write(DepthView frame, const FrameInfo& info);
-  Status finish();  // timestamps.csv to the disk
+  Status finish();  // timestamps.csv and poses.csv to the disk
   int frame_count() const { return static_cast<int>(rows_.size()); }
 
  private:
@@ -102,18 +102,30 @@ class FolderWriter {
     std::uint64_t number = 0;
     FrameInfo info;
   };
+  // A table that grows by a line a frame. A line may be taken back until keep().
+  struct Table {
+    int fd = -1;  // -1: closed
+    std::int64_t bytes = 0;
+    Status begin(const std::string& path, const std::string& text);  // with `text`, then open for more
+    Status append(const std::string& path, const std::string& line);
+    void keep();
+    void take_back();
+    void close();
+  };
   Status note_times(const Row& row);
   Status rewrite_times();
   std::string line_of(const Row& row) const;
-  Status append(const std::string& line);
-  void take_back_times();
+  Status note_pose(const Row& row);
+  void take_back();
+  std::string times_path() const { return path_ + "/timestamps.csv"; }
+  std::string poses_path() const { return path_ + "/poses.csv"; }
 
   std::vector<Row> rows_;
   bool host_times_ = true;
   bool device_times_ = true;
   bool downs_ = false;  // timestamps.csv has columns for them
-  int times_fd_ = -1;
-  std::int64_t times_bytes_ = 0;  // of timestamps.csv, with the rows of rows_
+  Table times_, poses_;
+  int poses_count_ = 0;  // rows of poses.csv whose frames are there
 };
 
 }  // namespace im2fit::hal

@@ -136,6 +136,78 @@ TEST(FolderPoses, TooManyRowsAreRefused) {
       << source.error().message;
 }
 
+// Poses as a tracker tells them: any bits of a unit quaternion, any place; the second frame has none.
+TEST(FolderPoses, EveryPoseWrittenComesBackToTheBit) {
+  const TestFolder folder;
+  auto writer = FolderWriter::create(folder.path("rec"), camera_of(kMadeWidth, kMadeHeight), {});
+  ASSERT_TRUE(writer);
+  const Picture picture = random_picture(kMadeWidth, kMadeHeight, 1);
+  Rng rng(7);
+  std::vector<FrameInfo> written;
+  for (std::uint64_t i = 0; i < 200; ++i) {
+    FrameInfo info{10 + i, static_cast<std::int64_t>(i), -1};
+    const auto value = [&] { return static_cast<float>(rng.normal()); };
+    CameraPose pose{value(), value(), 1e-7F * value(), value(), {1e-6F * value(), 500 * value(), 1e5F * value()}};
+    const float length = std::sqrt(pose.x * pose.x + pose.y * pose.y + pose.z * pose.z + pose.w * pose.w);
+    for (float* part : {&pose.x, &pose.y, &pose.z, &pose.w}) *part /= length;
+    if (i != 1) info.pose = pose;
+    ASSERT_TRUE((*writer)->write(picture.view(), info));
+    written.push_back(info);
+  }
+  ASSERT_TRUE((*writer)->finish());
+  auto source = open_source(folder.path("rec"));
+  ASSERT_TRUE(source) << source.error().message;
+  const Replay seen = replay(**source);
+  ASSERT_EQ(seen.frames.size(), written.size());
+  for (std::size_t i = 0; i < written.size(); ++i) {
+    ASSERT_EQ(seen.frames[i].pose.has_value(), i != 1) << i;
+    if (i == 1) continue;
+    const CameraPose &was = *written[i].pose, &is = *seen.frames[i].pose;
+    EXPECT_EQ(is.x, was.x);
+    EXPECT_EQ(is.y, was.y);
+    EXPECT_EQ(is.z, was.z);
+    EXPECT_EQ(is.w, was.w);
+    EXPECT_EQ(is.position_mm.x, was.position_mm.x);
+    EXPECT_EQ(is.position_mm.y, was.position_mm.y);
+    EXPECT_EQ(is.position_mm.z, was.position_mm.z);
+  }
+}
+
+TEST(FolderPoses, WithoutPosesThereIsNoTableAndAFailedFrameLeavesNone) {
+  const TestFolder folder;
+  make_folder(folder.path("still"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path("still/poses.csv")));
+  auto writer = FolderWriter::create(folder.path("rec"), camera_of(kMadeWidth, kMadeHeight), {});
+  ASSERT_TRUE(writer);
+  const Picture picture = random_picture(kMadeWidth, kMadeHeight, 1);
+  FrameInfo info{0, 1, -1};
+  info.pose = CameraPose{};
+  // A folder in the place of the picture: its file cannot be written.
+  std::filesystem::create_directories(folder.path("rec/000000.png/full"));
+  EXPECT_FALSE((*writer)->write(picture.view(), info));
+  EXPECT_FALSE(std::filesystem::exists(folder.path("rec/poses.csv")));
+  EXPECT_FALSE(std::filesystem::exists(folder.path("rec/timestamps.csv")));
+  std::filesystem::remove_all(folder.path("rec/000000.png"));
+  ASSERT_TRUE((*writer)->write(picture.view(), info));
+  std::filesystem::create_directories(folder.path("rec/000001.png/full"));
+  info.sequence = 1;
+  info.host_ns = 2;
+  EXPECT_FALSE((*writer)->write(picture.view(), info));
+  ASSERT_TRUE((*writer)->finish());
+  const auto table = read_file(folder.path("rec/poses.csv"));
+  ASSERT_TRUE(table);
+  EXPECT_EQ(std::string(reinterpret_cast<const char*>(table->data()), table->size()),
+            "sequence,x_m,y_m,z_m,qx,qy,qz,qw\n000000,0,0,0,0,0,0,1\n");
+}
+
+TEST(FolderPoses, AFolderThatHoldsPosesOrConfidenceOfOtherFramesIsNotRecordedTo) {
+  const TestFolder folder;
+  put(folder.path("poses.csv"), kHeader);
+  const auto writer = FolderWriter::create(folder.path(), camera_of(kMadeWidth, kMadeHeight), {});
+  ASSERT_FALSE(writer);
+  EXPECT_TRUE(contains(writer.error().message, "already holds poses.csv")) << writer.error().message;
+}
+
 class Confidence : public testing::Test {
  protected:
   void SetUp() override {
