@@ -11,11 +11,14 @@
 // frame; pixels below camera.yaml's im2fit_confidence_min have no depth.
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "hal/folder/camera_yaml.h"
 #include "hal/folder/depth_file.h"
 #include "hal/frame_path.h"
 
@@ -24,10 +27,20 @@ namespace im2fit::hal {
 // Where camera.yaml does not specify it: the highest of ARKit's levels 0, 1, 2.
 inline constexpr int kConfidenceMin = 2;
 
+// What another recorder keeps in files of its own (hal/folder/stray_scanner.h). For frames as stored.
+struct FolderContents {
+  std::string frames_path, confidence_path;  // "": there is no confidence
+  CameraFile camera;
+  std::map<std::uint64_t, FrameInfo> frames;  // by number; empty: there are neither times nor poses
+  std::string camera_path, table_path;        // the files of `camera` and `frames`, for errors
+  SensorKind sensor = SensorKind::unknown;
+};
+
 struct FolderOptions {
   std::optional<int> rotate_deg;  // overrides camera.yaml's im2fit_rotate_deg; 0 when neither says
   std::string camera_yaml_path;   // "" for camera.yaml in the folder
   double unit_mm = 1;             // a unit of the pixels; values are rounded, above 65535 mm they are missing
+  const FolderContents* contents = nullptr;  // in place of camera.yaml and the tables beside it; for open() only
 };
 
 // Replays every frame in order of number, as fast as it is read; a missing number is counted as a gap. Sizes and
@@ -54,6 +67,8 @@ class FolderSource final : public Source {
   Status check_frames(const Intrinsics& camera) const;
   Status read_timestamps(const std::string& path);
   Status read_poses(const std::string& path);
+  Status take_tables(const std::string& path);
+  Status take_contents(const FolderContents& contents);
   Status check_confidence();
   Status drop_unsure(const Frame& frame);
 

@@ -156,9 +156,10 @@ Result<std::unique_ptr<FolderSource>> FolderSource::open(const std::string& path
     return Error{ErrorCode::invalid_argument,
                  "the unit is " + std::to_string(options.unit_mm) + " mm, expected 0.001 to 1000"};
   source->unit_mm_ = options.unit_mm;
-  if (auto ok = source->scan(path); !ok) return ok.error();
+  const FolderContents* contents = options.contents;
+  if (auto ok = source->scan(contents ? contents->frames_path : path); !ok) return ok.error();
   const std::string yaml = options.camera_yaml_path.empty() ? path + "/camera.yaml" : options.camera_yaml_path;
-  auto camera = load_camera_yaml(yaml);
+  auto camera = contents ? Result<CameraFile>(contents->camera) : load_camera_yaml(yaml);
   if (!camera) {
     Error error = camera.error();
     if (error.code == ErrorCode::not_found)
@@ -170,21 +171,14 @@ Result<std::unique_ptr<FolderSource>> FolderSource::open(const std::string& path
   info.uri = path;
   info.name = path;
   info.rotate_deg = options.rotate_deg.value_or(camera->rotate_deg.value_or(0));
-  if (std::error_code code; std::filesystem::exists(path + "/timestamps.csv", code) || code) {
-    if (auto ok = source->read_timestamps(path + "/timestamps.csv"); !ok) return ok.error();
-  }
-  if (std::error_code code; std::filesystem::exists(path + "/poses.csv", code) || code) {
-    if (auto ok = source->read_poses(path + "/poses.csv"); !ok) return ok.error();
-  }
+  if (auto ok = contents ? source->take_contents(*contents) : source->take_tables(path); !ok) return ok.error();
   info.intrinsics_origin = camera->origin;
   info.frame_count = static_cast<std::int64_t>(source->frames_.size());
-  auto upright = UprightPath::make(*camera, info.rotate_deg, yaml);
+  auto upright = UprightPath::make(*camera, info.rotate_deg, contents ? contents->camera_path : yaml);
   if (!upright) return upright.error();
   source->path_ = std::move(*upright);
   info.intrinsics = source->path_.upright();
   source->confidence_min_ = camera->confidence_min.value_or(kConfidenceMin);
-  if (std::error_code code; std::filesystem::is_directory(path + "/confidence", code))
-    source->confidence_folder_ = path + "/confidence";
   if (auto ok = source->check_confidence(); !ok) return ok.error();
   return source;
 }
@@ -261,6 +255,34 @@ Status FolderSource::read_timestamps(const std::string& path) {
     frame.info.device_us = it->second.device_us;
     frame.info.host_ns = it->second.host_ns >= 0 ? it->second.host_ns : it->second.device_us * 1000;
     if (info_.rotate_deg == 0) frame.info.down = it->second.down;
+  }
+  return Ok{};
+}
+
+Status FolderSource::take_tables(const std::string& path) {
+  if (std::error_code code; std::filesystem::exists(path + "/timestamps.csv", code) || code) {
+    if (auto ok = read_timestamps(path + "/timestamps.csv"); !ok) return ok.error();
+  }
+  if (std::error_code code; std::filesystem::exists(path + "/poses.csv", code) || code) {
+    if (auto ok = read_poses(path + "/poses.csv"); !ok) return ok.error();
+  }
+  if (std::error_code code; std::filesystem::is_directory(path + "/confidence", code))
+    confidence_folder_ = path + "/confidence";
+  return Ok{};
+}
+
+Status FolderSource::take_contents(const FolderContents& contents) {
+  info_.sensor = contents.sensor;
+  confidence_folder_ = contents.confidence_path;
+  if (contents.frames.empty()) return Ok{};
+  for (Frame& frame : frames_) {
+    const auto row = contents.frames.find(frame.info.sequence);
+    if (row == contents.frames.end())
+      return Error{ErrorCode::corrupt,
+                   contents.table_path + " has no row for " + frame.path + "; copy the whole recording again"};
+    frame.info = row->second;
+    if (frame.info.pose) frame.info.pose = rotate_upright(*frame.info.pose, info_.rotate_deg);
+    if (frame.info.down) frame.info.down = rotate_upright(*frame.info.down, info_.rotate_deg);
   }
   return Ok{};
 }
