@@ -180,7 +180,7 @@ Result<std::unique_ptr<FolderSource>> open_stray_scanner(const std::string& path
   if (!options.camera_yaml_path.empty()) {
     auto given = load_camera_yaml(options.camera_yaml_path);
     if (!given) return given.error();
-    contents.camera = std::move(*given);
+    contents.camera = *given;
   } else {
     const std::string& matrix_path = contents.camera_path;
     const auto matrix = read_matrix(matrix_path);
