@@ -75,7 +75,8 @@ YAML::Node in_ros_words(const YAML::Node& root) {
                                  {"D", "distortion_coefficients"},
                                  {"coeffs", "distortion_coefficients"},
                                  {"distortion_model", "distortion_model"},
-                                 {"im2fit_rotate_deg", "im2fit_rotate_deg"}})
+                                 {"im2fit_rotate_deg", "im2fit_rotate_deg"},
+                                 {"im2fit_confidence_min", "im2fit_confidence_min"}})
     if (root[from].IsDefined()) out[to] = root[from];
   const YAML::Node columns = root["intrinsic_matrix"];
   if (columns.IsDefined() && columns.IsSequence() && columns.size() == 9)
@@ -127,6 +128,11 @@ Result<CameraFile> interpret(const YAML::Node& file_root, const std::string& pat
     if (!origin)
       return lacks(path, "im2fit_intrinsics_origin", "device, calibration_file, field_of_view or synthetic");
     file.origin = *origin;
+  }
+  if (root["im2fit_confidence_min"].IsDefined()) {
+    file.confidence_min = root["im2fit_confidence_min"].as<int>();
+    if (*file.confidence_min < 0 || *file.confidence_min > 255)
+      return lacks(path, "im2fit_confidence_min", "a whole number from 0 to 255");
   }
   if (root["im2fit_oni_crc32c"].IsDefined()) {
     const std::string text = root["im2fit_oni_crc32c"].as<std::string>();

@@ -30,16 +30,17 @@ long long big_endian32(std::span<const std::byte> bytes, std::size_t i) {
          (byte_at(bytes, i + 2) << 8) | byte_at(bytes, i + 3);
 }
 
-Result<DepthHeader> parse_png_header(std::span<const std::byte> bytes, const std::string& what) {
+// `wanted`: what is done about pictures of other bits.
+Result<DepthHeader> parse_png_header(std::span<const std::byte> bytes, const std::string& what, int bits,
+                                     const char* wanted) {
   if (bytes.size() < 33 || std::memcmp(bytes.data() + 12, "IHDR", 4) != 0)
     return damaged(what, "its header is incomplete");
-  const int depth_bits = byte_at(bytes, 24);
+  const int found_bits = byte_at(bytes, 24);
   const int colour = byte_at(bytes, 25);
-  if (depth_bits != 16 || colour != PNG_COLOR_TYPE_GRAY) {
+  if (found_bits != bits || colour != PNG_COLOR_TYPE_GRAY) {
     const std::string found =
-        std::to_string(depth_bits) + "-bit " + (colour == PNG_COLOR_TYPE_GRAY ? "grey" : "colour");
-    return Error{ErrorCode::unsupported,
-                 what + " is a " + found + " PNG, expected 16-bit grey in millimetres; export the depth again"};
+        std::to_string(found_bits) + "-bit " + (colour == PNG_COLOR_TYPE_GRAY ? "grey" : "colour");
+    return Error{ErrorCode::unsupported, what + " is a " + found + " PNG, expected " + wanted};
   }
   const long long width = big_endian32(bytes, 16);
   const long long height = big_endian32(bytes, 20);
@@ -118,7 +119,7 @@ void big_endian_to_host(DepthImage image) {
   }
 }
 
-bool read_png_rows(PngInput& input, const DepthImage& out) {
+bool read_png_rows(PngInput& input, png_bytep first_row, std::size_t row_bytes, int height) {
   png_structp png =
       png_create_read_struct(PNG_LIBPNG_VER_STRING, static_cast<PngMessage*>(&input), on_png_error, on_png_warning);
   if (png == nullptr) return false;
@@ -134,7 +135,7 @@ bool read_png_rows(PngInput& input, const DepthImage& out) {
   const int passes = png_set_interlace_handling(png);
   png_read_update_info(png, info);
   for (int pass = 0; pass < passes; ++pass)
-    for (int v = 0; v < out.height; ++v) png_read_row(png, reinterpret_cast<png_bytep>(out.row(v)), nullptr);
+    for (int v = 0; v < height; ++v) png_read_row(png, first_row + static_cast<std::size_t>(v) * row_bytes, nullptr);
   png_read_end(png, nullptr);
   png_destroy_read_struct(&png, &info, nullptr);
   return true;
@@ -168,7 +169,7 @@ std::vector<std::byte> encode_pgm(DepthView image) {
 }  // namespace
 
 Result<DepthHeader> parse_depth_header(std::span<const std::byte> bytes, const std::string& what) {
-  if (is_png(bytes)) return parse_png_header(bytes, what);
+  if (is_png(bytes)) return parse_png_header(bytes, what, 16, "16-bit grey in millimetres; export the depth again");
   if (is_pgm(bytes)) {
     auto pgm = parse_pgm_header(bytes, what);
     if (!pgm) return pgm.error();
@@ -187,7 +188,9 @@ Status DepthDecoder::decode(std::span<const std::byte> bytes, const std::string&
                                          "x" + std::to_string(out.height) + " like the others; remove or rescale it"};
   if (header->format == DepthFormat::png) {
     PngInput input{bytes};
-    if (!plain_.decode(bytes, out) && !read_png_rows(input, out))
+    const auto row_bytes = sizeof(std::uint16_t) * static_cast<std::size_t>(out.stride);
+    if (!plain_.decode(bytes, out) &&
+        !read_png_rows(input, reinterpret_cast<png_bytep>(out.pixels), row_bytes, out.height))
       return damaged(what, input.text[0] != '\0' ? input.text : "no memory");
   } else {
     const auto pgm = parse_pgm_header(bytes, what);
@@ -206,6 +209,22 @@ Status DepthDecoder::decode(std::span<const std::byte> bytes, const std::string&
 
 Status decode_depth(std::span<const std::byte> bytes, const std::string& what, DepthImage out) {
   return DepthDecoder().decode(bytes, what, out);
+}
+
+Status decode_confidence(std::span<const std::byte> bytes, const std::string& what, int width, int height,
+                         std::vector<std::uint8_t>& out) {
+  if (!is_png(bytes)) return damaged(what, "it is no PNG");
+  const auto header = parse_png_header(bytes, what, 8, "8-bit grey; export the confidence again");
+  if (!header) return header.error();
+  if (header->width != width || header->height != height)
+    return Error{ErrorCode::invalid_argument, what + " is " + std::to_string(header->width) + "x" +
+                                                  std::to_string(header->height) + ", expected " +
+                                                  std::to_string(width) + "x" + std::to_string(height) +
+                                                  " as the depth has; export the confidence again"};
+  out.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  PngInput input{bytes};
+  if (read_png_rows(input, out.data(), static_cast<std::size_t>(width), height)) return Ok{};
+  return damaged(what, input.text[0] != '\0' ? input.text : "no memory");
 }
 
 Result<std::vector<std::byte>> encode_depth(DepthView image, DepthFormat format) {

@@ -36,6 +36,9 @@ class DepthDecoder {
  private:
   PlainPngDecoder plain_;
 };
+// How sure the camera was of each pixel: an 8-bit grey PNG. `out` gets width x height values.
+Status decode_confidence(std::span<const std::byte> bytes, const std::string& what, int width, int height,
+                         std::vector<std::uint8_t>& out);
 Result<std::vector<std::byte>> encode_depth(DepthView image, DepthFormat format);
 
 }  // namespace im2fit::hal

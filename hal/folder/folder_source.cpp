@@ -13,6 +13,7 @@
 #include "hal/folder/camera_yaml.h"
 #include "hal/folder/depth_folder.h"
 #include "hal/folder/frame_name.h"
+#include "hal/folder/pose_rows.h"
 
 namespace im2fit::hal {
 namespace {
@@ -155,9 +156,10 @@ Result<std::unique_ptr<FolderSource>> FolderSource::open(const std::string& path
     return Error{ErrorCode::invalid_argument,
                  "the unit is " + std::to_string(options.unit_mm) + " mm, expected 0.001 to 1000"};
   source->unit_mm_ = options.unit_mm;
-  if (auto ok = source->scan(path); !ok) return ok.error();
+  const FolderContents* contents = options.contents;
+  if (auto ok = source->scan(contents ? contents->frames_path : path); !ok) return ok.error();
   const std::string yaml = options.camera_yaml_path.empty() ? path + "/camera.yaml" : options.camera_yaml_path;
-  auto camera = load_camera_yaml(yaml);
+  auto camera = contents ? Result<CameraFile>(contents->camera) : load_camera_yaml(yaml);
   if (!camera) {
     Error error = camera.error();
     if (error.code == ErrorCode::not_found)
@@ -169,15 +171,15 @@ Result<std::unique_ptr<FolderSource>> FolderSource::open(const std::string& path
   info.uri = path;
   info.name = path;
   info.rotate_deg = options.rotate_deg.value_or(camera->rotate_deg.value_or(0));
-  if (std::error_code code; std::filesystem::exists(path + "/timestamps.csv", code) || code) {
-    if (auto ok = source->read_timestamps(path + "/timestamps.csv"); !ok) return ok.error();
-  }
+  if (auto ok = contents ? source->take_contents(*contents) : source->take_tables(path); !ok) return ok.error();
   info.intrinsics_origin = camera->origin;
   info.frame_count = static_cast<std::int64_t>(source->frames_.size());
-  auto upright = UprightPath::make(*camera, info.rotate_deg, yaml);
+  auto upright = UprightPath::make(*camera, info.rotate_deg, contents ? contents->camera_path : yaml);
   if (!upright) return upright.error();
   source->path_ = std::move(*upright);
   info.intrinsics = source->path_.upright();
+  source->confidence_min_ = camera->confidence_min.value_or(kConfidenceMin);
+  if (auto ok = source->check_confidence(); !ok) return ok.error();
   return source;
 }
 
@@ -257,6 +259,72 @@ Status FolderSource::read_timestamps(const std::string& path) {
   return Ok{};
 }
 
+Status FolderSource::take_tables(const std::string& path) {
+  if (std::error_code code; std::filesystem::exists(path + "/timestamps.csv", code) || code) {
+    if (auto ok = read_timestamps(path + "/timestamps.csv"); !ok) return ok.error();
+  }
+  if (std::error_code code; std::filesystem::exists(path + "/poses.csv", code) || code) {
+    if (auto ok = read_poses(path + "/poses.csv"); !ok) return ok.error();
+  }
+  if (std::error_code code; std::filesystem::is_directory(path + "/confidence", code))
+    confidence_folder_ = path + "/confidence";
+  return Ok{};
+}
+
+Status FolderSource::take_contents(const FolderContents& contents) {
+  info_.sensor = contents.sensor;
+  confidence_folder_ = contents.confidence_path;
+  if (contents.frames.empty()) return Ok{};
+  for (Frame& frame : frames_) {
+    const auto row = contents.frames.find(frame.info.sequence);
+    if (row == contents.frames.end())
+      return Error{ErrorCode::corrupt,
+                   contents.table_path + " has no row for " + frame.path + "; copy the whole recording again"};
+    frame.info = row->second;
+    if (frame.info.pose) frame.info.pose = rotate_upright(*frame.info.pose, info_.rotate_deg);
+    if (frame.info.down) frame.info.down = rotate_upright(*frame.info.down, info_.rotate_deg);
+  }
+  return Ok{};
+}
+
+Status FolderSource::read_poses(const std::string& path) {
+  const auto rows = read_pose_rows(path, PoseTable::poses_csv);
+  if (!rows) return rows.error();
+  auto row = rows->begin();
+  for (Frame& frame : frames_) {
+    while (row != rows->end() && row->sequence < frame.info.sequence) ++row;
+    if (row != rows->end() && row->sequence == frame.info.sequence)
+      frame.info.pose = rotate_upright(row->pose, info_.rotate_deg);
+  }
+  return Ok{};
+}
+
+// Of the first frame: the others are next()'s to report.
+Status FolderSource::check_confidence() {
+  if (confidence_folder_.empty() || confidence_min_ == 0) return Ok{};
+  auto ok = drop_unsure(frames_.front());
+  if (ok || ok.error().code == ErrorCode::corrupt) return Ok{};
+  return ok;
+}
+
+Status FolderSource::drop_unsure(const Frame& frame) {
+  if (confidence_folder_.empty() || confidence_min_ == 0) return Ok{};
+  const std::string path = confidence_folder_ + "/" + frame_name(frame.info.sequence, DepthFormat::png);
+  if (auto ok = read_file_into(path, kFileBytesMax, SIZE_MAX, file_bytes_); !ok) {
+    Error error = ok.error();
+    if (error.code == ErrorCode::not_found)
+      error.message = path + " is missing; copy it again, or delete the folder to use every pixel";
+    return error;
+  }
+  const DepthImage image = path_.camera_image();
+  if (auto ok = decode_confidence(file_bytes_, path, image.width, image.height, confidence_); !ok) return ok;
+  const std::uint8_t* sure = confidence_.data();
+  for (int v = 0; v < image.height; ++v)
+    for (int u = 0; u < image.width; ++u)
+      if (*sure++ < confidence_min_) image.at(u, v) = 0;
+  return Ok{};
+}
+
 Status FolderSource::start() {
   index_ = 0;
   book_.reset();
@@ -274,6 +342,10 @@ Result<FrameInfo> FolderSource::next(DepthImage depth, int /*timeout_ms*/) {
   if (!status) {
     book_.damaged();
     return Error{ErrorCode::corrupt, status.error().message};
+  }
+  if (auto ok = drop_unsure(frame); !ok) {
+    book_.damaged();
+    return Error{ErrorCode::corrupt, ok.error().message};
   }
   if (unit_mm_ != 1) to_millimetres(path_.camera_image(), unit_mm_);
   path_.deliver(depth);

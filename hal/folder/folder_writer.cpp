@@ -13,6 +13,7 @@
 #include "core/file.h"
 #include "hal/folder/depth_folder.h"
 #include "hal/folder/frame_name.h"
+#include "hal/folder/pose_rows.h"
 #include "hal/intrinsics.h"
 
 namespace im2fit::hal {
@@ -38,6 +39,11 @@ Result<std::unique_ptr<FolderWriter>> FolderWriter::create(const std::string& pa
       return Error{ErrorCode::invalid_argument, path + " already holds frames (" + it->path().filename().string() +
                                                     "); choose another folder or delete them"};
   }
+  // Of frames that were deleted: a reader would take them for these frames'.
+  for (const char* name : {"poses.csv", "confidence"})
+    if (std::filesystem::exists(path + "/" + name, code))
+      return Error{ErrorCode::invalid_argument,
+                   path + " already holds " + name + "; choose another folder or delete it"};
   const std::string yaml =
       camera_yaml_text(Calibration{intrinsics, {}, options.rotate_deg, options.origin}, options.camera_name);
   // The camera's, not a person's: a service may read it as its calibration.
@@ -65,16 +71,20 @@ Status FolderWriter::write(DepthView frame, const FrameInfo& info) {
   }
   auto bytes = encode_depth(frame, options_.format);
   if (!bytes) return bytes.error();
-  // The row first: one without its frame is not missed, a frame without its row is.
-  if (auto ok = note_times(row); !ok) return with_advice(ok.error());
-  const std::string path = path_ + "/" + frame_name(row.number, options_.format);
-  if (auto ok = write_file_atomically(path, *bytes, Readable::by_owner); !ok) {
-    take_back_times();
-    return with_advice(ok.error());
+  // The rows first: one without its frame is not missed, a frame without its row is.
+  auto written = note_times(row);
+  if (written) written = note_pose(row);
+  if (written)
+    written =
+        write_file_atomically(path_ + "/" + frame_name(row.number, options_.format), *bytes, Readable::by_owner);
+  if (!written) {
+    take_back();
+    return with_advice(written.error());
   }
   rows_.push_back(row);
-  struct stat about {};
-  if (times_fd_ >= 0 && ::fstat(times_fd_, &about) == 0) times_bytes_ = about.st_size;
+  if (row.info.pose) ++poses_count_;
+  times_.keep();
+  poses_.keep();
   return Ok{};
 }
 
@@ -85,35 +95,37 @@ Status FolderWriter::note_times(const Row& row) {
     downs_ = row.info.down.has_value();
   } else if (row.info.host_ns <= rows_.back().info.host_ns) {
     host_times_ = false;  // 30 fps is assumed instead
-    if (times_fd_ >= 0) ::close(std::exchange(times_fd_, -1));
-    ::unlink((path_ + "/timestamps.csv").c_str());
+    times_.close();
+    ::unlink(times_path().c_str());
     return Ok{};
   } else if (device_times_ && row.info.device_us <= rows_.back().info.device_us) {
     device_times_ = false;
-    if (times_fd_ >= 0) ::close(std::exchange(times_fd_, -1));
+    times_.close();
   }
   if (row.info.down && !downs_) {
     downs_ = true;
-    if (times_fd_ >= 0) ::close(std::exchange(times_fd_, -1));
+    times_.close();
   }
-  if (times_fd_ < 0)
+  if (times_.fd < 0)
     if (auto ok = rewrite_times(); !ok) return ok;
-  return append(line_of(row));
+  return times_.append(times_path(), line_of(row));
 }
 
 // The header and the rows so far, then open for more.
 Status FolderWriter::rewrite_times() {
-  const std::string path = path_ + "/timestamps.csv";
   std::string text = "frame,host_ns";
   if (device_times_) text += ",device_us";
   if (downs_) text += ",down_x,down_y,down_z";
   text += "\n";
   for (const Row& row : rows_) text += line_of(row);
-  if (auto ok = write_file_atomically(path, text, Readable::by_owner); !ok) return ok;
-  times_fd_ = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
-  if (times_fd_ < 0) return Error{ErrorCode::io, "cannot write " + path + ": " + std::strerror(errno)};
-  times_bytes_ = static_cast<std::int64_t>(text.size());
-  return Ok{};
+  return times_.begin(times_path(), text);
+}
+
+Status FolderWriter::note_pose(const Row& row) {
+  if (!row.info.pose) return Ok{};
+  if (poses_.fd < 0)
+    if (auto ok = poses_.begin(poses_path(), kPosesHeader); !ok) return ok;
+  return poses_.append(poses_path(), poses_line(row.number, *row.info.pose));
 }
 
 std::string FolderWriter::line_of(const Row& row) const {
@@ -131,32 +143,59 @@ std::string FolderWriter::line_of(const Row& row) const {
   return text + "\n";
 }
 
-Status FolderWriter::append(const std::string& line) {
-  const ssize_t count = ::write(times_fd_, line.data(), line.size());
-  if (count == static_cast<ssize_t>(line.size())) return Ok{};
-  const int code = count < 0 ? errno : ENOSPC;
-  take_back_times();
-  return Error{ErrorCode::io, "cannot write " + path_ + "/timestamps.csv: " + std::strerror(code)};
+Status FolderWriter::Table::begin(const std::string& path, const std::string& text) {
+  if (auto ok = write_file_atomically(path, text, Readable::by_owner); !ok) return ok;
+  fd = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+  if (fd < 0) return Error{ErrorCode::io, "cannot write " + path + ": " + std::strerror(errno)};
+  bytes = static_cast<std::int64_t>(text.size());
+  return Ok{};
 }
 
-void FolderWriter::take_back_times() {
-  if (times_fd_ < 0) return;
-  if (rows_.empty()) {
-    ::close(std::exchange(times_fd_, -1));
-    ::unlink((path_ + "/timestamps.csv").c_str());
-    return;
+Status FolderWriter::Table::append(const std::string& path, const std::string& line) {
+  const ssize_t count = ::write(fd, line.data(), line.size());
+  if (count == static_cast<ssize_t>(line.size())) return Ok{};
+  return Error{ErrorCode::io, "cannot write " + path + ": " + std::strerror(count < 0 ? errno : ENOSPC)};
+}
+
+void FolderWriter::Table::keep() {
+  struct stat about {};
+  if (fd >= 0 && ::fstat(fd, &about) == 0) bytes = about.st_size;
+}
+
+void FolderWriter::Table::take_back() {
+  if (fd < 0) return;
+  [[maybe_unused]] const int cut = ::ftruncate(fd, static_cast<off_t>(bytes));
+}
+
+void FolderWriter::Table::close() {
+  if (fd >= 0) ::close(std::exchange(fd, -1));
+}
+
+// The rows of a frame that failed; a table that has no others goes with them.
+void FolderWriter::take_back() {
+  times_.take_back();
+  poses_.take_back();
+  if (rows_.empty() && times_.fd >= 0) {
+    times_.close();
+    ::unlink(times_path().c_str());
   }
-  [[maybe_unused]] const int cut = ::ftruncate(times_fd_, static_cast<off_t>(times_bytes_));
+  if (poses_count_ == 0 && poses_.fd >= 0) {
+    poses_.close();
+    ::unlink(poses_path().c_str());
+  }
 }
 
 Status FolderWriter::finish() {
-  if (times_fd_ < 0) return Ok{};
-  const int fd = std::exchange(times_fd_, -1);
-  const bool synced = ::fsync(fd) == 0;
-  const int code = errno;
-  if (::close(fd) == 0 && synced) return Ok{};
-  return with_advice(
-      Error{ErrorCode::io, "cannot write " + path_ + "/timestamps.csv: " + std::strerror(synced ? errno : code)});
+  Status done = Ok{};
+  for (const auto& [table, path] : {std::pair{&times_, times_path()}, {&poses_, poses_path()}}) {
+    if (table->fd < 0) continue;
+    const int fd = std::exchange(table->fd, -1);
+    const bool synced = ::fsync(fd) == 0;
+    const int code = errno;
+    if ((::close(fd) == 0 && synced) || !done) continue;
+    done = with_advice(Error{ErrorCode::io, "cannot write " + path + ": " + std::strerror(synced ? errno : code)});
+  }
+  return done;
 }
 
 }  // namespace im2fit::hal

@@ -5,6 +5,7 @@
 
 #include "hal/folder/camera_yaml.h"
 #include "hal/folder/depth_folder.h"
+#include "hal/folder/stray_scanner.h"
 #if IM2FIT_HAVE_OPENNI2
 #include "hal/openni2/finder.h"
 #include "hal/openni2/oni_source.h"
@@ -39,7 +40,11 @@ bool is_oni(const std::string& uri) {
 }
 
 Result<std::unique_ptr<Source>> open_folder(const std::string& path, const OpenOptions& options) {
-  auto source = FolderSource::open(path, {options.rotate_deg, options.camera_yaml_path, options.unit_mm});
+  FolderOptions wanted;
+  wanted.rotate_deg = options.rotate_deg;
+  wanted.camera_yaml_path = options.camera_yaml_path;
+  wanted.unit_mm = options.unit_mm;
+  auto source = is_stray_scanner(path) ? open_stray_scanner(path, wanted) : FolderSource::open(path, wanted);
   if (!source) return source.error();
   return std::unique_ptr<Source>(std::move(*source));
 }
@@ -222,7 +227,7 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
         ErrorCode::not_found,
         uri +
             " does not exist; expected openni2[:URI], usb[:SERIAL], v4l2[:NODE], synthetic[:SEED], a .oni file "
-            "or a depth folder"};
+            "or the folder of a recording"};
   if (is_oni(uri)) return open_recording(uri, options);
   return Error{ErrorCode::unsupported,
                uri + " is neither a folder nor a .oni file; expected a depth folder or an OpenNI2 recording"};

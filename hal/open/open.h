@@ -26,7 +26,7 @@ struct OpenOptions {
 };
 
 // `uri`: openni2[:URI] | usb[:SERIAL] | v4l2[:/dev/videoN][?key=value&...] | PATH.oni | DEPTH_FOLDER |
-// synthetic[:seed].
+// STRAY_SCANNER_FOLDER | synthetic[:seed].
 Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOptions& options = {});
 
 // Opens the live camera `uri` repeatedly, without the leak of its library at each initialisation. Empty when `uri` is

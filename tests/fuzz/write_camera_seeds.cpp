@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sound input for the fuzzers of cameras, of texts and of the page to start from: write_camera_seeds DIRECTORY makes
-// camera_yaml/, oni_protocol/, depth_picture/, folder_times/, size_chart/ and http/.
+// camera_yaml/, oni_protocol/, depth_picture/, folder_times/, pose_table/, size_chart/ and http/.
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -59,6 +59,17 @@ int main(int argc, char** argv) {
       {"depth_picture/pgm", std::string("P5 4 2 65535\n") + std::string(16, '\x0B')},
       {"folder_times/both", "frame,host_ns,device_us\n0,1000,1\n1,2000,2\n2,3000,3\n"},
       {"folder_times/spreadsheet", "\xEF\xBB\xBF\"frame\";\"host_ns\";\r\n0;1000;\r\n1;2000;\r\n2;3000;\r\n"},
+      {"pose_table/poses", "\x03sequence,x_m,y_m,z_m,qx,qy,qz,qw\n0,1,2,3,0,0.6,0,0.8\n1,1,2,3e-1,1,0,0,0\n"},
+      {"pose_table/odometry",
+       "\x01timestamp, frame, x, y, z, qx, qy, qz, qw, fx, fy, cx, cy, distortion_center_x\n"
+       "1.5, 000000, 0, 1, 0, 1, 0, 0, 0, 1440, 1440, 960, 720, \n2.5, 000001, 0, 1, 0, 1, 0, 0, 0, 1450, 1450, 960, "
+       "720, \n"},
+      {"pose_table/headerless",
+       "\x01"
+       "0, 1, 0, 1, 0, 0, 0\n0, 1, 0, 1e-3, 0, 0, 1"},
+      {"pose_table/matrix",
+       "\x02"
+       "1440.5, 0, 955.1\n0, 1440.5, 722.9\n0, 0, 1"},
       {"size_chart/chart",
        "# name: A\n# sex: any\n# unit: mm\n# source: x\n# date: 2020\nsize;low_mm;high_mm\nS;860,5;940\n"},
       {"http/get", "GET /result.json HTTP/1.1\r\nHost: localhost:1\r\nAccept-Encoding: gzip\r\n\r\n"},
