@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <cstring>
 #include <new>
-#include <string>
 
 #include "capi/call.h"
 #include "capi/mask_keeper.h"
@@ -70,8 +69,7 @@ extern "C" int im2fit_mask(const im2fit_handle* handle, uint8_t* mask, size_t ca
     if (status == IM2FIT_ERROR_NOT_FOUND)
       return fail(nullptr, status, "no frame has been processed since the first call");
     if (status == IM2FIT_ERROR_TOO_SMALL)
-      return fail(nullptr, status,
-                  "the mask has " + std::to_string(known.width) + " x " + std::to_string(known.height) + " bytes");
+      return fail(nullptr, status, "a mask has width x height bytes: see the info");
     return status;
   } catch (const std::bad_alloc&) {
     return fail(nullptr, IM2FIT_ERROR_NO_MEMORY, "out of memory");

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake -DSWIFT=Session.swift -DHEADER=im2fit.h -P swift_names.cmake
+# cmake -DSWIFT=FitSession.swift -DHEADER=im2fit.h -P swift_names.cmake
 # Every name of the C interface in the Swift source, functions, structs, constants and fields, is in the header: what can
 # be told of it without a Swift compiler.
 file(READ ${SWIFT} swift)
