@@ -343,8 +343,9 @@ class Measuring(unittest.TestCase):
             self.assertEqual((mask.pixels.shape, mask.pixels.dtype), ((height, width), np.bool_))
             self.assertEqual((mask.sequence, mask.time_ns, mask.user_id), (frames[1].sequence, frames[1].time_ns, user.id))
             rows, columns = np.nonzero(mask.pixels)
-            self.assertTrue(user.left <= columns.min() and columns.max() <= user.right)
-            self.assertTrue(user.top <= rows.min() and rows.max() <= user.bottom)
+            # The box is made on a coarser picture, and the feet are found after it.
+            np.testing.assert_allclose((columns.min(), columns.max(), rows.min(), rows.max()),
+                                       (user.left, user.right, user.top, user.bottom), atol=10)
             self.assertGreater(mask.pixels.mean(), 0.03)
             session.reset()
             self.assertIsNone(session.mask())
