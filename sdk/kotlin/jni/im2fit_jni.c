@@ -243,7 +243,7 @@ static jint native_act(JNIEnv* env, jclass type, jlong handle, jint what, jint n
 
 // poll's layout, for Result.kt: whole numbers, then floats.
 enum {
-  RESULT_LONGS = 13,
+  RESULT_LONGS = 15,
   RESULT_FLOATS = 3 * IM2FIT_MEASUREMENT_COUNT + 8 * IM2FIT_JOINT_COUNT + 6 + IM2FIT_AGE_BAND_COUNT + 1
 };
 
@@ -281,7 +281,9 @@ static jint native_poll(JNIEnv* env, jclass type, jlong handle, jlongArray longs
                                  (jlong)result.frames_seen,
                                  (jlong)result.frames_used,
                                  (jlong)result.frames_dropped,
-                                 result.frames_wanted};
+                                 result.frames_wanted,
+                                 result.known_used,
+                                 result.known_doubted};
   jfloat f[RESULT_FLOATS];
   jfloat* to = f;
   for (int i = 0; i < IM2FIT_MEASUREMENT_COUNT; ++i) to = put_estimate(to, &result.measurements[i]);
@@ -419,6 +421,35 @@ static jint native_mesh(JNIEnv* env, jclass type, jlong handle, jfloatArray vert
   return status;
 }
 
+// values: float[IM2FIT_MEASUREMENT_COUNT].
+static jint native_residual(JNIEnv* env, jclass type, jlong handle, jfloatArray values) {
+  (void)type;
+  jfloat residual[IM2FIT_MEASUREMENT_COUNT];
+  const jint status = im2fit_body_residual(handle_of(handle), residual);
+  if (status == IM2FIT_OK) (*env)->SetFloatArrayRegion(env, values, 0, IM2FIT_MEASUREMENT_COUNT, residual);
+  return status;
+}
+
+// Order of setKnown's `facts`.
+enum { STATURE_MM, STATURE_SD_MM, WEIGHT_KG, WEIGHT_SD_KG, AGE_YEARS, AGE_SD_YEARS, FACTS };
+
+static jint native_set_known(JNIEnv* env, jclass type, jlong handle, jfloatArray facts, jint sex) {
+  (void)type;
+  jfloat f[FACTS];
+  (*env)->GetFloatArrayRegion(env, facts, 0, FACTS, f);
+  if ((*env)->ExceptionCheck(env)) return IM2FIT_ERROR_INVALID_ARGUMENT;
+  im2fit_known known;
+  im2fit_known_init(&known, sizeof known);
+  known.stature_mm = f[STATURE_MM];
+  known.stature_sd_mm = f[STATURE_SD_MM];
+  known.weight_kg = f[WEIGHT_KG];
+  known.weight_sd_kg = f[WEIGHT_SD_KG];
+  known.age_years = f[AGE_YEARS];
+  known.age_sd_years = f[AGE_SD_YEARS];
+  known.sex = sex;
+  return im2fit_set_known(handle_of(handle), &known);
+}
+
 enum { BYTES_JSON = -1 };  // else IM2FIT_AVATAR_...
 
 // The result as JSON, or an avatar, into made[0].
@@ -473,6 +504,8 @@ JNIEXPORT jint JNICALL JNI_OnLoad(JavaVM* machine, void* reserved) {
       {"tapeWords", "(I[B[[B)V", (void*)native_tape_words},
       {"tape", "(J[I[F[[B)I", (void*)native_tape},
       {"mesh", "(J[F[I[I)I", (void*)native_mesh},
+      {"residual", "(J[F)I", (void*)native_residual},
+      {"setKnown", "(J[FI)I", (void*)native_set_known},
       {"bytes", "(JI[[B)I", (void*)native_bytes},
       {"garmentCount", "()I", (void*)native_garment_count},
       {"garmentWords", "(I[B[[B)V", (void*)native_garment_words},

@@ -260,6 +260,35 @@ fun main(arguments: Array<String>) {
         expect(Guidance.TOO_NEAR.text("de") != Guidance.TOO_NEAR.text()) { Guidance.TOO_NEAR.text() }
         fails<IllegalArgumentException> { Guidance.TOO_NEAR.text("xx") }
     }
+    test("known facts are evidence") {
+        FitSession(clip.camera, models, quick).use { session ->
+            val before = (session.measure(clip.frames()) as Outcome.Measured).person
+            same(before.knownUsed + before.knownDoubted, emptySet<KnownFact>(), "facts before any")
+            fun with(known: Known): Person {
+                session.setKnown(known)
+                return (session.outcome() as Outcome.Measured).person
+            }
+            val weight = before[Measurement.WEIGHT].value + 5
+            val weighed = with(Known(weightKg = weight, weightSdKg = 0.7f))
+            same(weighed.knownUsed, setOf(KnownFact.WEIGHT), "facts used")
+            expect(abs(weighed[Measurement.WEIGHT].value - weight) < 1.5f) { "${weighed[Measurement.WEIGHT]}, weighed $weight" }
+            val tall = before[Measurement.STATURE].value + 15
+            val all = with(Known(tall, weight, if (before.female > 0.5f) Sex.WOMAN else Sex.MAN, 40.5f, 5f, 0.7f, 0.4f))
+            same(all.knownUsed, KnownFact.values().toSet(), "facts used")
+            expect(abs(all.age.value - 40.5f) < 1) { "${all.age}" }
+            expect(all[Measurement.STATURE].value > before[Measurement.STATURE].value + 5) { "${all[Measurement.STATURE]}" }
+            same(with(Known(statureMm = 2450f)).knownDoubted, setOf(KnownFact.STATURE), "facts doubted")
+            // Each number reaches the library: its text names the one that cannot be.
+            val bad = mapOf(Known(statureMm = -1f) to "stature", Known(1700f, statureSdMm = -1f) to "stature",
+                Known(weightKg = -1f) to "weight", Known(weightKg = 70f, weightSdKg = -1f) to "weight",
+                Known(ageYears = -1f) to "age", Known(ageYears = 40f, ageSdYears = -1f) to "age")
+            for ((known, word) in bad) {
+                val refused = fails<Im2fitException> { session.setKnown(known) }
+                expect(word in refused.message!!) { "$known: $refused" }
+            }
+            same(with(Known())[Measurement.WEIGHT], before[Measurement.WEIGHT], "weight once nothing is known")
+        }
+    }
     test("each turn asks for its own") {
         // The clip shows the front alone: a turn of the person is asked for, and the answer rests on the front.
         val shapes = FitSession(clip.camera, models, quick).use { it.modelInfo().answersShape }
@@ -419,6 +448,9 @@ fun measuresAsProgram(clip: Clip, models: Models, output: String) = FitSession(c
     expect(abs(heights.min()!!) < 0.01f) { "soles at ${heights.min()}" }
     expect(abs(heights.max()!! - person[Measurement.STATURE].value) < 60) { "mesh of ${heights.max()} mm" } // posed
     same(mesh.triangles.max()!! + 1, mesh.vertices.size / 3, "vertices used")
+    val waist = session.residual().getValue(Measurement.WAIST_GIRTH)
+    val taped = (tape.getValue("waist_girth") as TapeValue.Measured).estimate.value // the mesh's
+    expect(abs(taped - person[Measurement.WAIST_GIRTH].value - waist) < 0.2f) { "$waist mm of residual, the tape says $taped" }
     same(String(session.avatar(Avatar.GLB).copyOf(4)), "glTF", ".glb")
     expect(String(session.avatar(Avatar.BVH)).startsWith("HIERARCHY")) { ".bvh" }
     expect(String(session.avatar(Avatar.OBJ)).startsWith("# im2fit avatar")) { ".obj" }

@@ -41,8 +41,9 @@ if TYPE_CHECKING:
 __version__ = "1.0.0"
 
 __all__ = ["Camera", "Clothing", "DepthFolder", "DepthFrame", "Error", "Estimate", "GarmentFit", "Guidance", "GuidanceCode",
-           "Mask", "Models", "Person", "Sensor", "Session", "Settings", "Sex", "State", "Status", "TapeStatus", "TapeValue", "Turn", "User",
-           "Verdict", "View", "garments", "guidance_text", "joint_names", "measure", "read_folder", "rig_nodes", "tape_names", "version"]
+           "Mask", "Models", "Person", "Sensor", "Session", "Settings", "Sex", "State", "Status", "TapeStatus", "TapeValue", "Turn",
+           "User", "Verdict", "View", "garment_names", "garments", "guidance_text", "joint_names", "measure", "read_folder",
+           "rig_node_parents", "rig_nodes", "tape_names", "version"]
 
 StrPath = Union[str, "os.PathLike[str]"]
 
@@ -84,6 +85,14 @@ def garments() -> list[str]:
     return [_lib().im2fit_garment_id(i).decode() for i in range(_lib().im2fit_garment_count())]
 
 
+def garment_names(language: str = "en") -> dict[str, str]:
+    """The names of all garments by id: "T-shirt". `language`: "en", "de", "es", "fr" or "zh"."""
+    names = {key: _lib().im2fit_garment_name(i, language.encode()) for i, key in enumerate(garments())}
+    if None in names.values():
+        raise ValueError(f"no names in the language {language!r}: expected en, de, es, fr or zh")
+    return {key: name.decode() for key, name in names.items()}
+
+
 def guidance_text(code: GuidanceCode, language: str = "en") -> str:
     """What to say to the person, in at most six words: "Step back" for TOO_NEAR. `language`: "en", "de", "es", "fr" or "zh"."""
     text = _lib().im2fit_guidance_text(code.bit_length() - 1, language.encode())
@@ -101,6 +110,11 @@ def joint_names() -> list[str]:
 def rig_nodes() -> list[str]:
     """The names of the nodes of Session.rig(), in its order."""
     return [_lib().im2fit_rig_node_name(i).decode() for i in range(_c.RIG_NODES)]
+
+
+def rig_node_parents() -> list[int]:
+    """For each of rig_nodes() the index of its parent; -1 for the first."""
+    return [_lib().im2fit_rig_node_parent(i) for i in range(_c.RIG_NODES)]
 
 
 def tape_names(language: str = "en") -> dict[str, str]:
@@ -290,6 +304,10 @@ class Session:
         if status != Status.OK:
             raise Error(status, cameras.im2fit_cameras_error().decode(errors="replace"))
 
+    def detach(self) -> None:
+        """Closes the attached source, if any. close() does that too."""
+        self._check(_lib().im2fit_detach(self._open_handle()))
+
     def pump(self, timeout_ms: int = 1000) -> Guidance | None:
         """Takes one frame from the attached source, if one comes within `timeout_ms`. Skips a damaged frame. Returns the
         Guidance, or None when a recording or folder has ended. Raises Error "no_device" when the camera is gone, "corrupt"
@@ -405,6 +423,13 @@ class Session:
         self._check(_lib().im2fit_body_mesh(handle, vertices.ctypes.data, count, ctypes.byref(count), triangles.ctypes.data,
                                             faces, ctypes.byref(faces)))
         return vertices, triangles
+
+    def residual(self) -> dict[str, float]:
+        """By how much the measurements of mesh() differ from those of the measured Person: mm, weight in kg. Below 1 mm where a
+        body has them all."""
+        values = (ctypes.c_float * _c.MEASUREMENTS)()
+        self._check(_lib().im2fit_body_residual(self._open_handle(), values))
+        return {_lib().im2fit_measurement_name(i).decode(): value for i, value in enumerate(values)}
 
     def fit(self, garment: str) -> GarmentFit:
         """How a garment, by its id, fits the measured person: a GarmentFit."""

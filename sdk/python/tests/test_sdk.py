@@ -225,6 +225,9 @@ class Cameras(unittest.TestCase):
                         self.assertIsNotNone(session.pump())
                 if uri is not None:
                     self.assertIsNone(session.pump())
+                    session.detach()
+                    with self.assertRaisesRegex(im2fit.Error, "no source is attached"):
+                        session.pump()
                 person = session.finish()
                 self.assertTrue(person.measured, person.guidance)
                 self.assertEqual(person.tape(), {})
@@ -493,6 +496,10 @@ class Measuring(unittest.TestCase):
                 self.assertAlmostEqual(float(vertices[:, 1].min()), 0, places=3)
                 self.assertLess(abs(np.ptp(vertices[:, 1]) - person.measurements["stature"].value), 60)  # posed
                 self.assertEqual(triangles.max() + 1, len(vertices))
+                residual = session.residual()
+                self.assertEqual(set(residual), set(person.measurements))
+                tape = person.tape()["waist_girth"].value  # the mesh's
+                self.assertAlmostEqual(residual["waist_girth"], tape - person.measurements["waist_girth"].value, delta=0.2)
         self.assertEqual(texts[0], texts[1])
 
     def test_garments_and_the_rig(self):
@@ -528,6 +535,13 @@ class Measuring(unittest.TestCase):
             self.assertTrue(0.6 < root[1] < 1.2)
             np.testing.assert_allclose(np.linalg.norm(rotations, axis=1), 1, atol=1e-5)
             self.assertEqual(im2fit.rig_nodes()[0], "pelvis")
+            parents = im2fit.rig_node_parents()
+            self.assertEqual((parents[0], len(parents)), (-1, len(im2fit.rig_nodes())))
+            self.assertTrue(all(parent < node for node, parent in enumerate(parents)))
+            self.assertEqual(list(im2fit.garment_names()), im2fit.garments())
+            self.assertEqual(im2fit.garment_names("de")["trousers"], "Hose")
+            with self.assertRaisesRegex(ValueError, "'it': expected en"):
+                im2fit.garment_names("it")
 
     def test_the_pose_of_a_camera_in_the_hand(self):
         camera = _folder.read_camera(GOLDEN / "clip/camera.yaml")

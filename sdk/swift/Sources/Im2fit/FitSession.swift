@@ -35,6 +35,8 @@ public struct CameraModel {
 public struct FitProgress: Equatable {
     public let state: String
     public let guidance: [String]
+    public let view: String          // the side of the person that faces the camera: "front", "back", "side", "unknown"
+    public let userId: Int32         // the person of the guidance; 0: no person is in view
     public let framesUsed: UInt64
     public let framesWanted: Int32   // for a progress bar: framesUsed of it; with Turn.back it counts for each side
     public let turnedDeg: Float      // Turn.around: the farthest that the person has turned; positive to their left
@@ -61,6 +63,45 @@ public enum Turn: Int32 {
     case none = 0    // nothing
     case back = 1    // the back, once the person has turned it to the camera
     case around = 2  // all round: one slow turn on the spot; needs a body
+}
+
+/// What the person wears. Numbers of IM2FIT_CLOTHING_...
+public enum Clothing: Int32 {
+    case estimated = 0  // from the frames, given a body
+    case bare = 1       // underwear or close-fitting sportswear
+    case dressed = 2    // the body underneath is measured, with wider intervals
+}
+
+/// How the camera senses depth. Numbers of IM2FIT_SENSOR_...
+public enum DepthSensor: Int32 {
+    case judged = 0     // from the frames
+    case structuredLight = 1
+    case timeOfFlight = 2
+}
+
+/// Settings of a session. The defaults are the library's, except `live`.
+public struct FitSettings: Equatable {
+    public var framesWanted: Int32 = 30  // accepted frames until the measurement, 1..1000; with Turn.back for each side
+    public var framesMin: Int32 = 5      // fewest accepted frames for `finish()` to measure
+    public var live = true               // true: the oldest frame is dropped when the library is behind; false: `push` waits
+    public var turn = Turn.none          // what the person is asked to do once the front is accumulated
+    public var clothing = Clothing.estimated
+    public var sensor = DepthSensor.judged
+    public var calibrationPose = false   // true: the person raises the arms first
+    public init() {}
+}
+
+/// Focal lengths and principal point of one frame, in pixels of the frame as delivered; the centre of pixel 0 is 0.
+public struct Intrinsics: Equatable {
+    public var fx, fy, cx, cy: Float
+    public init(fx: Float, fy: Float, cx: Float, cy: Float) {
+        (self.fx, self.fy, self.cx, self.cy) = (fx, fy, cx, cy)
+    }
+    /// Of a smaller picture of the same view: ARKit's are of the colour picture, its depth has another width.
+    public func scaled(fromWidth: Int, toWidth: Int) -> Intrinsics {
+        let scale = Float(toWidth) / Float(fromWidth)
+        return Intrinsics(fx: fx * scale, fy: fy * scale, cx: (cx + 0.5) * scale - 0.5, cy: (cy + 0.5) * scale - 0.5)
+    }
 }
 
 /// The pose of a camera in the hand: the unit quaternion from the axes of the frame as delivered (x right, y down, z forward)
@@ -120,11 +161,11 @@ public enum Outcome {
 /// One person before one depth camera. One thread at a time may use a session. Exception: any thread may call `progress()`
 /// and `mask()` while the session exists.
 public final class FitSession {
-    private let handle: OpaquePointer
+    let handle: OpaquePointer
 
-    /// Without `body` (nil) the JSON lacks the body, and there is no avatar. `turn`: what the person is asked to do once the
-    /// front is accumulated; the guidance then has "TURN_ROUND", "TURN_ON" or "TURN_SLOWER".
-    public init(camera: CameraModel, tracker: URL, index: URL, body: URL? = nil, turn: Turn = .none) throws {
+    /// Without `body` (nil) the JSON lacks the body, and there is no avatar.
+    public init(camera: CameraModel, tracker: URL, index: URL, body: URL? = nil,
+                settings wanted: FitSettings = FitSettings()) throws {
         var opened: OpaquePointer?
         let status: Int32 = tracker.path.withCString { tracker in
             index.path.withCString { index in
@@ -137,8 +178,13 @@ public final class FitSession {
                     settings.width = camera.width
                     settings.height = camera.height
                     (settings.fx, settings.fy, settings.cx, settings.cy) = (camera.fx, camera.fy, camera.cx, camera.cy)
-                    settings.live = 1
-                    settings.turn = turn.rawValue
+                    settings.frames_wanted = wanted.framesWanted
+                    settings.frames_min = wanted.framesMin
+                    settings.live = wanted.live ? 1 : 0
+                    settings.turn = wanted.turn.rawValue
+                    settings.clothing = wanted.clothing.rawValue
+                    settings.sensor = wanted.sensor.rawValue
+                    settings.calibration_psi = wanted.calibrationPose ? 1 : 0
                     return im2fit_open(&settings, &opened)
                 }
             }
@@ -154,10 +200,12 @@ public final class FitSession {
     /// Processes one frame. `metres`: depth as ARKit and AVFoundation deliver it, 32-bit metres, NaN or 0: no data.
     /// `rotateDeg`: clockwise rotation that makes it upright. `down`: the direction of gravity in the axes of this picture
     /// (x right, y down, z forward); zero: unknown. `lens`: the distortion that the picture still has. `pose`: of a camera in
-    /// the hand.
+    /// the hand. `confidence`: a byte a sample; samples below `confidenceMin` hold no data (ARKit's `confidenceMap` has 0, 1, 2).
+    /// `intrinsics`: of this frame, as they change with focus; nil: those of the session.
     public func push(metres: UnsafePointer<Float>, width: Int32, height: Int32, rowBytes: Int = 0, rotateDeg: Int32 = 0,
                      timeNs: Int64 = 0, sequence: UInt64 = 0, down: SIMD3<Float> = .zero, lens: Lens = Lens(),
-                     pose: CameraPose? = nil) throws {
+                     pose: CameraPose? = nil, confidence: UnsafePointer<UInt8>? = nil, confidenceRowBytes: Int = 0,
+                     confidenceMin: Int32 = 0, intrinsics: Intrinsics? = nil) throws {
         var frame = im2fit_frame()
         im2fit_frame_init(&frame, MemoryLayout<im2fit_frame>.size)
         frame.pixels = UnsafeRawPointer(metres)
@@ -170,6 +218,10 @@ public final class FitSession {
         frame.sequence = sequence
         (frame.down_x, frame.down_y, frame.down_z) = (down.x, down.y, down.z)
         (frame.k1, frame.k2, frame.k3, frame.p1, frame.p2) = (lens.k1, lens.k2, lens.k3, lens.p1, lens.p2)
+        frame.confidence = confidence
+        frame.confidence_row_bytes = confidenceRowBytes
+        frame.confidence_min = confidenceMin
+        if let k = intrinsics { (frame.fx, frame.fy, frame.cx, frame.cy) = (k.fx, k.fy, k.cx, k.cy) }
         if let pose = pose {
             (frame.turn_x, frame.turn_y, frame.turn_z, frame.turn_w) = (pose.x, pose.y, pose.z, pose.w)
             (frame.x_mm, frame.y_mm, frame.z_mm) = (pose.placeMm.x, pose.placeMm.y, pose.placeMm.z)
@@ -179,8 +231,10 @@ public final class FitSession {
 
     public func progress() throws -> FitProgress {
         let result = try poll()
-        return FitProgress(state: FitSession.text(im2fit_state_name(result.state)), guidance: FitSession.codes(result.guidance),
-                        framesUsed: result.frames_used, framesWanted: result.frames_wanted, turnedDeg: result.turned_deg)
+        return FitProgress(state: FitSession.text(im2fit_state_name(result.state)),
+                           guidance: FitSession.codes(result.guidance), view: FitSession.text(im2fit_view_name(result.view)),
+                           userId: result.user_id, framesUsed: result.frames_used, framesWanted: result.frames_wanted,
+                           turnedDeg: result.turned_deg)
     }
 
     /// The person's pixels in the latest frame; nil before the first frame after the first call. Any thread.
@@ -289,13 +343,13 @@ public final class FitSession {
         return Array(buffer.prefix(size))
     }
 
-    private func poll() throws -> im2fit_result {
+    func poll() throws -> im2fit_result {
         var result = im2fit_result()
         try check(im2fit_poll(handle, &result, MemoryLayout<im2fit_result>.size))
         return result
     }
 
-    private func check(_ status: Int32) throws {
+    func check(_ status: Int32) throws {
         guard status != 0 else { return }
         let own = FitSession.text(im2fit_last_error(handle))
         throw Im2fitError(status: status, description: own.isEmpty ? FitSession.text(im2fit_last_error(nil)) : own)
@@ -305,7 +359,7 @@ public final class FitSession {
         (0..<Int32(IM2FIT_GUIDANCE_COUNT)).filter { bits >> UInt32($0) & 1 == 1 }.map { text(im2fit_guidance_name($0)) }
     }
 
-    private static func text(_ name: UnsafePointer<CChar>?) -> String { name.map { String(cString: $0) } ?? "" }
+    static func text(_ name: UnsafePointer<CChar>?) -> String { name.map { String(cString: $0) } ?? "" }
 
     private static func withOptional<T>(_ text: String?, _ body: (UnsafePointer<CChar>?) -> T) -> T {
         text.map { $0.withCString { body($0) } } ?? body(nil)

@@ -136,6 +136,16 @@ class FitSession @JvmOverloads constructor(
     /** From now on measures only the person with this [Progress.userId]. 0: the first person with empty guidance. */
     fun selectUser(userId: Int) = change { Native.act(it, Native.DO_SELECT_USER, userId) }
 
+    /**
+     * Sets what the person of this session reports, before, during or after the frames: [outcome] then has the changed answer. A
+     * second call replaces the first. [Person.knownDoubted] names what does not fit the frames and was not used: ask again.
+     */
+    fun setKnown(known: Known) = change {
+        Native.setKnown(it, floatArrayOf(
+            known.statureMm, known.statureSdMm, known.weightKg, known.weightSdKg, known.ageYears, known.ageSdYears
+        ), known.sex.ordinal)
+    }
+
     /** result.json (docs/result.md), whether measured or not. */
     fun json(): String = String(bytes(Native.BYTES_JSON), Charsets.UTF_8)
 
@@ -149,6 +159,13 @@ class FitSession @JvmOverloads constructor(
         val mesh = Mesh(FloatArray(3 * counted[0]), IntArray(3 * counted[1]))
         check(Native.mesh(handle, mesh.vertices, mesh.triangles, counted))
         mesh
+    }
+
+    /** By how much the measurements of [mesh] differ from the person's: mm, weight in kg. Below 1 mm where a body has them all. */
+    fun residual(): Map<Measurement, Float> {
+        val values = FloatArray(Measurement.values().size)
+        change { Native.residual(it, values) }
+        return Measurement.values().associate { it to values[it.ordinal] }
     }
 
     /** All measurements of the tape, by id, in the order of [tapeDefinitions]. */

@@ -17,7 +17,8 @@ internal class Result {
 
     fun person(size: Size): Person = Person(
         Measurement.values().associateTo(LinkedHashMap()) { it to estimate(3 * it.ordinal) }, floats[FEMALE], estimate(AGE),
-        size, Views.values()[longs[6].toInt()], known(CLOTHED), known(EASE), joints(JOINTS)
+        size, Views.values()[longs[6].toInt()], known(CLOTHED), known(EASE), joints(JOINTS),
+        bitsOf(longs[13]), bitsOf(longs[14])
     )
 
     private fun estimate(at: Int) = Estimate(floats[at], floats[at + 1], floats[at + 2])
