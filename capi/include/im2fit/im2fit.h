@@ -213,7 +213,12 @@ typedef struct im2fit_frame {
   int32_t format;     /* IM2FIT_FORMAT_... */
   int32_t width;      /* as delivered. After rotate_deg the size must be that of the settings */
   int32_t height;
-  int32_t rotate_deg;          /* 0, 90, 180, 270: clockwise rotation that makes the picture upright */
+  /* 0, 90, 180, 270: clockwise rotation that makes the picture upright. The settings are always of the upright one.
+   * From a picture as delivered, of `width` x `height`, its intrinsics are
+   *   90:  fx = fy, fy = fx, cx = height - 1 - cy, cy = cx           with width and height exchanged
+   *   180: fx, fy,           cx = width - 1 - cx,  cy = height - 1 - cy
+   *   270: fx = fy, fy = fx, cx = cy,              cy = width - 1 - cx   with width and height exchanged */
+  int32_t rotate_deg;
   size_t row_bytes;            /* bytes from row to row, a multiple of the sample size; 0: no padding */
   float unit_mm;               /* 1: U16 only, above 0, up to 1000 */
   int32_t confidence_min;      /* 0: use all. DEPTH16: sevenths of full confidence, 0..7. Others: 0..255 */

@@ -333,7 +333,11 @@ fun main(arguments: Array<String>) {
         val polls = AtomicLong()
         val screen = thread {
             try {
-                while (!ending.get()) polls.addAndGet(session.progress().framesSeen.coerceAtMost(1))
+                while (!ending.get()) {
+                    val mask = session.mask()
+                    expect(mask == null || mask.userId != 0 || mask.pixels.all { it == 0.toByte() }) { "pixels of nobody" }
+                    polls.addAndGet(session.progress().framesSeen.coerceAtMost(1))
+                }
             } catch (closed: IllegalStateException) {
                 expect("closed" in closed.message!!) { "$closed" }
             }
