@@ -92,7 +92,7 @@ Status check_upstream(const UpstreamCopy& copy, std::vector<std::string> files, 
     list += line + "\n";
   }
   const std::string path = scratch + "/files";
-  if (const auto written = write_file_atomically(path, list); !written) return written;
+  if (auto written = write_file_atomically(path, list); !written) return written;
   const auto sum = run_child({"sha256sum", "--", path});
   if (!sum) return sum.error();
   const std::string found = first_word(*sum);
