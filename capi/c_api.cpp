@@ -234,6 +234,7 @@ int im2fit_reset(im2fit_handle* handle) {
     h.next_after.reset();
     h.forget_person();
     h.frames.forget();
+    h.mask->forget();
     return static_cast<int>(IM2FIT_OK);
   });
 }
@@ -327,7 +328,8 @@ int im2fit_poll(const im2fit_handle* handle, im2fit_result* result, size_t struc
     return fail(nullptr, IM2FIT_ERROR_INVALID_ARGUMENT,
                 handle == nullptr ? "the handle is NULL" : "the place for the result is NULL");
   if (!im2fit::c::opened_here(*handle)) return im2fit::c::fail_forked();
-  const im2fit_result full = to_c(handle->engine->result());
+  im2fit_result full = to_c(handle->engine->result());
+  full.frames_wanted = handle->frames_wanted;
   std::memcpy(result, &full, std::min(struct_size, sizeof full));
   if (struct_size > sizeof full)
     std::memset(reinterpret_cast<char*>(result) + sizeof full, 0, struct_size - sizeof full);

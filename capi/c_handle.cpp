@@ -187,7 +187,10 @@ Result<std::unique_ptr<im2fit_handle>> open_c_handle(const im2fit_settings& sett
   handle->process = ::getpid();
   handle->log = settings.log;
   handle->log_user = settings.log_user;
-  const EngineSettings words = engine_settings(settings);
+  EngineSettings words = engine_settings(settings);
+  words.watch = [keeper = handle->mask.get()](const FrameSeen& frame) { keeper->keep(frame); };
+  handle->mask->prepare(words.width, words.height);
+  handle->frames_wanted = settings.frames_wanted;
   handle->frames.prepare(words.intrinsics);
   handle->origin.uri = handle->origin.name = "im2fit.h";
   handle->origin.intrinsics = words.intrinsics;

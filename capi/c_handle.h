@@ -12,6 +12,7 @@
 #include "body/skeleton.h"
 #include "capi/frame.h"
 #include "capi/include/im2fit/im2fit.h"
+#include "capi/mask_keeper.h"
 #include "capi/status_of.h"
 #include "engine/frame_stages.h"
 #include "person/measuring_data.h"
@@ -45,6 +46,8 @@ struct im2fit_handle {
   // In the order of references between them: the engine is destroyed first, the files last.
   im2fit::MeasuringData data;
   im2fit::hal::SourceInfo origin;  // the known properties of the source
+  std::int32_t frames_wanted = 0;  // as the settings
+  std::unique_ptr<im2fit::c::MaskKeeper> mask = std::make_unique<im2fit::c::MaskKeeper>();  // the engine writes to it
   std::unique_ptr<im2fit::Engine> engine;
   // Of the measured person, made when first requested: it stays unchanged until the next session.
   std::optional<im2fit::PersonMeasurement> person;

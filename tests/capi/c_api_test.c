@@ -59,7 +59,7 @@ static void measures_a_person(int single_thread) {
   CHECK(result.guidance == 0);
   CHECK(result.guidance_seen == IM2FIT_GUIDANCE_TOO_NEAR);
   CHECK(result.frames_seen == 11);
-  CHECK(result.frames_used == 10);
+  CHECK(result.frames_used == 10 && result.frames_wanted == settings.frames_wanted);
   CHECK(result.sequence_gaps == 1);
   /* The stages sum depth x number of the frame, and 255 for an even pixel: 10 x 55 + 10 x 255. */
   CHECK(result.measurements[IM2FIT_STATURE].value == 3100.0F);
@@ -500,6 +500,66 @@ static void front_then_back(int single_thread) {
   im2fit_close(handle);
 }
 
+/* The fake person's pixels are those of an even depth. */
+static int shows_the_person(const uint8_t* mask, const uint16_t* depth) {
+  for (int i = 0; i < PIXELS; ++i)
+    if (mask[i] != (depth[i] % 2 == 0 ? 255 : 0)) return 0;
+  return 1;
+}
+
+static int is_empty(const uint8_t* mask) {
+  for (int i = 0; i < PIXELS; ++i)
+    if (mask[i] != 0) return 0;
+  return 1;
+}
+
+static void the_mask_is_of_the_latest_frame(int single_thread) {
+  im2fit_settings settings = small_settings();
+  settings.single_thread = single_thread;
+  im2fit_handle* handle = open_with_fake_stages(&settings);
+  uint16_t depth[PIXELS];
+  uint8_t mask[PIXELS];
+  im2fit_mask_info info;
+  make_frame(depth, 1, 0);
+  CHECK(im2fit_push(handle, depth, WIDTH, HEIGHT, 0, 1, 100) == IM2FIT_OK);
+  CHECK(im2fit_wait(handle, -1) == IM2FIT_OK);
+  /* None is kept before the first call. */
+  CHECK(im2fit_mask(handle, mask, sizeof mask, &info, sizeof info) == IM2FIT_ERROR_NOT_FOUND);
+  CHECK(im2fit_last_error(handle)[0] == '\0' && im2fit_last_error(NULL)[0] != '\0');
+  depth[20] = 11;
+  CHECK(im2fit_push(handle, depth, WIDTH, HEIGHT, 0, 7, 200) == IM2FIT_OK);
+  CHECK(im2fit_wait(handle, -1) == IM2FIT_OK);
+  memset(mask, 3, sizeof mask);
+  CHECK(im2fit_mask(handle, mask, sizeof mask, &info, sizeof info) == IM2FIT_OK);
+  CHECK(shows_the_person(mask, depth));
+  CHECK(info.width == WIDTH && info.height == HEIGHT && info.user_id == 1);
+  CHECK(info.sequence == 7 && info.time_ns == 200);
+  CHECK(im2fit_mask(handle, mask, sizeof mask, NULL, 0) == IM2FIT_OK);
+  memset(mask, 3, sizeof mask);
+  CHECK(im2fit_mask(handle, mask, sizeof mask - 1, &info, sizeof info) == IM2FIT_ERROR_TOO_SMALL);
+  CHECK(mask[0] == 3 && info.width == WIDTH);
+  memset(&info, 0, sizeof info);
+  CHECK(im2fit_mask(handle, NULL, 0, &info, sizeof info) == IM2FIT_OK && info.sequence == 7);
+  CHECK(im2fit_mask(handle, NULL, 0, NULL, 0) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(im2fit_mask(handle, NULL, 5, &info, sizeof info) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(im2fit_mask(NULL, mask, sizeof mask, &info, sizeof info) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  struct {
+    im2fit_mask_info info;
+    int newer;
+  } grown = {{0}, 5};
+  CHECK(im2fit_mask(handle, NULL, 0, &grown.info, sizeof grown) == IM2FIT_OK);
+  CHECK(grown.info.user_id == 1 && grown.newer == 0);
+  /* Nobody's: a figure that was refused leaves no pixels behind. */
+  make_frame(depth, 0, IM2FIT_GUIDANCE_NO_PERSON);
+  CHECK(im2fit_push(handle, depth, WIDTH, HEIGHT, 0, 8, 300) == IM2FIT_OK);
+  CHECK(im2fit_wait(handle, -1) == IM2FIT_OK);
+  CHECK(im2fit_mask(handle, mask, sizeof mask, &info, sizeof info) == IM2FIT_OK);
+  CHECK(is_empty(mask) && info.user_id == 0 && info.sequence == 8);
+  CHECK(im2fit_reset(handle) == IM2FIT_OK);
+  CHECK(im2fit_mask(handle, mask, sizeof mask, &info, sizeof info) == IM2FIT_ERROR_NOT_FOUND);
+  im2fit_close(handle);
+}
+
 /* ARMS_CLOSE says which arm; one good frame does not take it away. */
 static void arms_close_are_named(void) {
   im2fit_settings settings = small_settings();
@@ -537,5 +597,7 @@ int main(int argc, char** argv) {
   only_the_requested_user();
   front_then_back(0);
   front_then_back(1);
+  the_mask_is_of_the_latest_frame(0);
+  the_mask_is_of_the_latest_frame(1);
   return check_failures == 0 ? 0 : 1;
 }

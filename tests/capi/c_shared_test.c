@@ -23,6 +23,17 @@ static void names_and_version(void) {
   CHECK(strcmp(im2fit_state_name(IM2FIT_STATE_TURNING), "TURNING") == 0);
   CHECK(strcmp(im2fit_guidance_name(13), "TURN_ROUND") == 0);
   CHECK(im2fit_guidance_name(IM2FIT_GUIDANCE_COUNT) == NULL);
+  static const char* const kLanguages[] = {"en", "de", "es", "fr", "zh"};
+  for (int language = 0; language < 5; ++language)
+    for (int bit = 0; bit < IM2FIT_GUIDANCE_COUNT; ++bit) {
+      const char* text = im2fit_guidance_text(bit, kLanguages[language]);
+      CHECK(text != NULL && text[0] != '\0');
+      for (int other = 0; other < bit && text != NULL; ++other)
+        CHECK(strcmp(text, im2fit_guidance_text(other, kLanguages[language])) != 0);
+    }
+  CHECK(strcmp(im2fit_guidance_text(1, "en"), im2fit_guidance_text(1, "de")) != 0);
+  CHECK(im2fit_guidance_text(IM2FIT_GUIDANCE_COUNT, "en") == NULL && im2fit_guidance_text(-1, "en") == NULL);
+  CHECK(im2fit_guidance_text(0, "it") == NULL && im2fit_guidance_text(0, NULL) == NULL);
   CHECK(strcmp(im2fit_measurement_name(IM2FIT_CHEST_GIRTH), "chest_girth") == 0);
   CHECK(strcmp(im2fit_measurement_name(IM2FIT_INSIDE_LEG), "inside_leg") == 0);
   CHECK(strcmp(im2fit_measurement_unit(IM2FIT_WEIGHT), "kg") == 0);

@@ -12,9 +12,11 @@
 namespace im2fit::body {
 
 // Detects the layout (npm: public/data/targets/targets.bin; upstream: makehuman/data/3dobjs/base.obj or
-// data/3dobjs/base.obj) and packs what adults need. `texture_side`: of the skin's texture, pixels.
+// data/3dobjs/base.obj) and packs what adults need. `texture_side`: of the skin's texture, pixels. `files_read`: gets
+// the paths of all files that were read of a checkout; may be null.
 inline constexpr int kTextureSide = 1024;
-Result<std::vector<std::byte>> pack_makehuman(const std::string& directory, int texture_side = kTextureSide);
+Result<std::vector<std::byte>> pack_makehuman(const std::string& directory, int texture_side = kTextureSide,
+                                              std::vector<std::string>* files_read = nullptr);
 
 // Of eyes, hair and texture as they are drawn now: raised when they look otherwise, so that body files are made
 // again.

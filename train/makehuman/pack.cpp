@@ -355,7 +355,8 @@ class Packer {
 }  // namespace
 }  // namespace makehuman
 
-Result<std::vector<std::byte>> pack_makehuman(const std::string& directory, int texture_side) {
+Result<std::vector<std::byte>> pack_makehuman(const std::string& directory, int texture_side,
+                                              std::vector<std::string>* files_read) {
   namespace fs = std::filesystem;
   std::error_code ignored;
   Result<std::unique_ptr<makehuman::Source>> source = Error{
@@ -374,6 +375,7 @@ Result<std::vector<std::byte>> pack_makehuman(const std::string& directory, int 
   if (!source) return source.error();
   auto bytes = makehuman::Packer(**source, texture_side).pack();
   if (!bytes) return Error{bytes.error().code, directory + ": " + bytes.error().message};
+  if (files_read != nullptr) *files_read = (*source)->files_read;
   return bytes;
 }
 

@@ -51,6 +51,7 @@ class Source {
       corners;  // into `texture`; as `groups`, face by face
   Rig rig;
   std::vector<std::vector<std::pair<std::string, double>>> influences;  // per vertex: bone, weight (any sum)
+  mutable std::vector<std::string> files_read;                          // so far, in any order; upstream's alone
   bool npm_bugs = false;  // knee cubes of the height targets move wrongly; one breast target moves the whole body
 
   // An empty target when the layout has no such file.

@@ -52,7 +52,8 @@ class UpstreamSource : public Source {
     data_ = data;
     Status status = read_base(data + "/3dobjs/base.obj");
     if (!status) return status;
-    auto rig_read = read_rig(data + "/rigs/default.mhskel");
+    files_read.push_back(data + "/rigs/default.mhskel");
+    auto rig_read = read_rig(files_read.back());
     if (!rig_read) return rig_read.error();
     rig = std::move(*rig_read);
     return read_weights(data + "/rigs/default_weights.mhw");
@@ -62,6 +63,7 @@ class UpstreamSource : public Source {
     const std::string path = data_ + "/targets/" + name.upstream + ".target";
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) return DenseTarget{};
+    files_read.push_back(path);
     const auto bytes = read_file(path);
     if (!bytes) return bytes.error();
     DenseTarget rows(static_cast<std::size_t>(kSourceVertexCount));
@@ -95,6 +97,7 @@ class UpstreamSource : public Source {
   }
 
   Status read_base(const std::string& path) {
+    files_read.push_back(path);
     const auto bytes = read_file(path);
     if (!bytes) return bytes.error();
     std::vector<std::array<std::int32_t, 4>>* group = nullptr;
@@ -159,6 +162,7 @@ class UpstreamSource : public Source {
   }
 
   Status read_weights(const std::string& path) {
+    files_read.push_back(path);
     const auto json = read_json(path);
     if (!json) return json.error();
     const auto bad = [&](const std::string& why) { return Error{ErrorCode::corrupt, path + ": " + why}; };

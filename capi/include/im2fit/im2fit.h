@@ -25,10 +25,12 @@
  *   - Memory: the caller owns all memory but the handle. The library owns the strings that it returns. They are
  *     constant.
  *   - Text: paths and URIs are UTF-8 and end with a zero byte.
+ *   - Enumerations: a field that holds one is an int32_t, so that its size never depends on a compiler. Its comment
+ *     names the constants; `im2fit_state` and so on are for your own variables and switches.
  *   - Units: millimetres, kilograms, degrees, unless a name or comment has another.
  *   - Camera axes: x right, y down, z forward, of the upright picture. Left and right are the person's own.
- *   - Threads: one thread at a time may use a handle. Exception: any thread may call im2fit_poll at any time before
- *     im2fit_close. Different handles are independent.
+ *   - Threads: one thread at a time may use a handle. Exception: any thread may call im2fit_poll and im2fit_mask at
+ *     any time before im2fit_close. Different handles are independent.
  *   - fork(): a handle belongs to the process that opened it. In a child process every function that returns a status
  *     returns IM2FIT_ERROR_FORKED for it. im2fit_close works there and leaves camera and threads to the parent.
  *   - No function throws, prints or ends the program.
@@ -65,7 +67,7 @@ typedef struct im2fit_handle im2fit_handle; /* measures one person at a time, be
 
 /* ---- Status ---------------------------------------------------------------------------------------------------- */
 
-enum {
+typedef enum im2fit_status {
   IM2FIT_OK = 0,
   IM2FIT_ERROR_INVALID_ARGUMENT = -1, /* NULL, out of range, wrong size, or not allowed now */
   IM2FIT_ERROR_NOT_FOUND = -2,        /* a file, device node, id or name does not exist */
@@ -80,7 +82,7 @@ enum {
   IM2FIT_ERROR_TOO_SMALL = -11,    /* the buffer is too small; the needed count is written */
   IM2FIT_ERROR_INTERNAL = -12,
   IM2FIT_ERROR_FORKED = -13 /* the parent process opened the handle before fork(): open another in this process */
-};
+} im2fit_status;
 
 /* The version of the library in use, "1.0.0". It may be newer than this header. Any thread. */
 IM2FIT_API const char* im2fit_version(void);
@@ -89,20 +91,22 @@ IM2FIT_API const char* im2fit_version(void);
 IM2FIT_API const char* im2fit_status_name(int status);
 
 /* The error of the latest call on this handle, as one line of text. "" after a success. The text is valid until the
- * next call on the handle. im2fit_poll does not change it, as any thread may call that. FORKED does not change it.
- * With NULL: the latest error of any call on the calling thread, including im2fit_open, im2fit_poll and FORKED. A
- * success does not clear it.
+ * next call on the handle. im2fit_poll and im2fit_mask do not change it, as any thread may call those. FORKED does
+ * not change it.
+ * With NULL: the latest error of any call on the calling thread, including im2fit_open, im2fit_poll, im2fit_mask and
+ * FORKED. A success does not clear it.
  * END_OF_STREAM and TIMEOUT of im2fit_pump and im2fit_wait are not failures: they have no text. */
 IM2FIT_API const char* im2fit_last_error(const im2fit_handle* handle);
 
 /* ---- Opening --------------------------------------------------------------------------------------------------- */
 
 /* Called for each failure of a function on the handle, and when im2fit_open refuses a setting or cannot load or
- * start, on the thread of that call. The text is valid during the call. Not called for im2fit_poll and FORKED. */
+ * start, on the thread of that call. The text is valid during the call. Not called for im2fit_poll, im2fit_mask and
+ * FORKED. */
 typedef void (*im2fit_log_fn)(void* user, int status, const char* text);
 
 /* Where a model file is when it has no path of its own: an asset of an APK, or bytes in memory. */
-enum { IM2FIT_DATA_PATH = 0, IM2FIT_DATA_MEMORY = 1, IM2FIT_DATA_FD = 2 };
+typedef enum im2fit_data_kind { IM2FIT_DATA_PATH = 0, IM2FIT_DATA_MEMORY = 1, IM2FIT_DATA_FD = 2 } im2fit_data_kind;
 typedef struct im2fit_data {
   int32_t kind;   /* IM2FIT_DATA_...; PATH: the setting ..._path names the file, the fields below are not read */
   int32_t fd;     /* FD: a seekable file, open for reading. The caller owns it and may close it after im2fit_open */
@@ -141,27 +145,27 @@ typedef struct im2fit_settings {
 } im2fit_settings;
 
 /* How a camera senses depth. It shapes the outline of a person, and so the girths. */
-enum {
+typedef enum im2fit_sensor {
   IM2FIT_SENSOR_UNKNOWN = 0,          /* estimated from the frames; docs/cameras lists where that is not enough */
   IM2FIT_SENSOR_STRUCTURED_LIGHT = 1, /* Kinect for Xbox 360, Xtion, Astra */
   IM2FIT_SENSOR_TIME_OF_FLIGHT = 2    /* Kinect v2, Azure Kinect */
-};
+} im2fit_sensor;
 
 /* What is measured besides the front. */
-enum {
+typedef enum im2fit_turn {
   IM2FIT_TURN_NONE = 0,   /* nothing */
   IM2FIT_TURN_BACK = 1,   /* the back, once the person has turned it to the camera */
   IM2FIT_TURN_AROUND = 2, /* all round: one slow turn on the spot. Waist, hip and weight gain most; needs body_path */
   IM2FIT_TURN_WALK = 3    /* the same, of a person who stands still, with a camera that is carried round: each
                            * im2fit_frame tells its pose; needs body_path */
-};
+} im2fit_turn;
 
 /* What the person wears. */
-enum {
+typedef enum im2fit_clothing {
   IM2FIT_CLOTHING_UNKNOWN = 0, /* estimated from the frames; needs body_path. Intervals widen with the estimate */
   IM2FIT_CLOTHING_BARE = 1,    /* underwear or close-fitting sportswear. GUIDANCE_CLOTHED: the frames show more */
   IM2FIT_CLOTHING_DRESSED = 2  /* more clothes: the body underneath, with wider intervals; needs body_path */
-};
+} im2fit_clothing;
 
 /* Writes the defaults above, NULL or 0 elsewhere. `struct_size` is sizeof(im2fit_settings) of the caller's
  * header. */
@@ -197,11 +201,11 @@ IM2FIT_API int im2fit_push(im2fit_handle* handle, const uint16_t* depth_mm, int3
                            size_t stride, uint64_t sequence, int64_t time_ns);
 
 /* Sample formats of a frame. */
-enum {
+typedef enum im2fit_format {
   IM2FIT_FORMAT_U16 = 0,     /* 16-bit integers in units of `unit_mm`; 0: no data */
   IM2FIT_FORMAT_DEPTH16 = 1, /* Android's ImageFormat.DEPTH16: 13 low bits are mm, 3 high bits confidence */
   IM2FIT_FORMAT_F32 = 2      /* 32-bit floats, metres. NaN, infinite, zero and negative: no data */
-};
+} im2fit_format;
 
 /* A frame as a camera or phone delivers it, not yet upright. Call im2fit_frame_init, then set the fields that are
  * known. Depths over 65535 mm count as no data. */
@@ -211,7 +215,12 @@ typedef struct im2fit_frame {
   int32_t format;     /* IM2FIT_FORMAT_... */
   int32_t width;      /* as delivered. After rotate_deg the size must be that of the settings */
   int32_t height;
-  int32_t rotate_deg;          /* 0, 90, 180, 270: clockwise rotation that makes the picture upright */
+  /* 0, 90, 180, 270: clockwise rotation that makes the picture upright. The settings are always of the upright one.
+   * From a picture as delivered, of `width` x `height`, its intrinsics are
+   *   90:  fx = fy, fy = fx, cx = height - 1 - cy, cy = cx           with width and height exchanged
+   *   180: fx, fy,           cx = width - 1 - cx,  cy = height - 1 - cy
+   *   270: fx = fy, fy = fx, cx = cy,              cy = width - 1 - cx   with width and height exchanged */
+  int32_t rotate_deg;
   size_t row_bytes;            /* bytes from row to row, a multiple of the sample size; 0: no padding */
   float unit_mm;               /* 1: U16 only, above 0, up to 1000 */
   int32_t confidence_min;      /* 0: use all. DEPTH16: sevenths of full confidence, 0..7. Others: 0..255 */
@@ -291,7 +300,7 @@ IM2FIT_API int im2fit_select_user(im2fit_handle* handle, int32_t user_id);
 
 /* What the person reports of themselves: evidence beside the frames. Call im2fit_known_init, then set what is known.
  * A known weight makes girths more accurate. */
-enum { IM2FIT_SEX_UNKNOWN = 0, IM2FIT_SEX_WOMAN = 1, IM2FIT_SEX_MAN = 2 };
+typedef enum im2fit_sex { IM2FIT_SEX_UNKNOWN = 0, IM2FIT_SEX_WOMAN = 1, IM2FIT_SEX_MAN = 2 } im2fit_sex;
 typedef struct im2fit_known {
   size_t struct_size;  /* written by im2fit_known_init */
   float stature_mm;    /* 500..2500; 0: not known. Barefoot */
@@ -305,12 +314,12 @@ typedef struct im2fit_known {
 } im2fit_known;
 
 /* Facts of im2fit_result.known_used and known_doubted. */
-enum {
+typedef enum im2fit_known_fact {
   IM2FIT_KNOWN_STATURE = 1 << 0,
   IM2FIT_KNOWN_WEIGHT = 1 << 1,
   IM2FIT_KNOWN_SEX = 1 << 2,
   IM2FIT_KNOWN_AGE = 1 << 3
-};
+} im2fit_known_fact;
 
 /* Writes nothing known. `struct_size` is sizeof(im2fit_known) of the caller's header. */
 IM2FIT_API void im2fit_known_init(im2fit_known* known, size_t struct_size);
@@ -401,7 +410,7 @@ IM2FIT_API int im2fit_get_models(im2fit_handle* handle, im2fit_models* models, s
 
 /* ---- Results --------------------------------------------------------------------------------------------------- */
 
-enum {
+typedef enum im2fit_state {
   IM2FIT_STATE_SEARCHING = 0, /* no person yet */
   IM2FIT_STATE_USER_FOUND,    /* a person who cannot be measured yet: see the guidance */
   IM2FIT_STATE_CALIBRATING,   /* waiting for the raised arms of settings.calibration_psi */
@@ -417,10 +426,10 @@ enum {
    * accumulated. TURN_AROUND, TURN_WALK: the person is followed through the turn. MEASURED follows. It rests on the
    * front alone when too little of the back, or of the turn (150 degrees), was seen within 450 frames. */
   IM2FIT_STATE_TURNING
-};
+} im2fit_state;
 
 /* What the person or the scene must change: bits of im2fit_result.guidance. */
-enum {
+typedef enum im2fit_guidance {
   IM2FIT_GUIDANCE_NO_PERSON = 1 << 0,
   IM2FIT_GUIDANCE_TOO_NEAR = 1 << 1,
   IM2FIT_GUIDANCE_TOO_FAR = 1 << 2,
@@ -439,31 +448,31 @@ enum {
   IM2FIT_GUIDANCE_TURN_ON = 1 << 15,     /* turn on the spot, slowly, all round. The person cannot see a screen */
   IM2FIT_GUIDANCE_TURN_SLOWER = 1 << 16, /* the same, and slower */
   IM2FIT_GUIDANCE_WALK_ROUND = 1 << 17   /* to who holds the camera: walk on round the person */
-};
+} im2fit_guidance;
 #define IM2FIT_GUIDANCE_COUNT 18
 
 /* The arms, the person's own left and right: bits. */
-enum { IM2FIT_ARM_LEFT = 1 << 0, IM2FIT_ARM_RIGHT = 1 << 1 };
+typedef enum im2fit_arm { IM2FIT_ARM_LEFT = 1 << 0, IM2FIT_ARM_RIGHT = 1 << 1 } im2fit_arm;
 
 /* The side of the person that faces the camera. */
-enum {
+typedef enum im2fit_view {
   IM2FIT_VIEW_UNKNOWN = 0,
   IM2FIT_VIEW_FRONT,
   IM2FIT_VIEW_BACK,
   IM2FIT_VIEW_SIDE /* turned too far for either */
-};
+} im2fit_view;
 
 /* The sides behind a measurement. */
-enum {
+typedef enum im2fit_views {
   IM2FIT_VIEWS_NONE = 0, /* no measurement */
   IM2FIT_VIEWS_FRONT,
   IM2FIT_VIEWS_FRONT_AND_BACK,
   IM2FIT_VIEWS_AROUND /* the front and a turn of at least 150 degrees */
-};
+} im2fit_views;
 
 /* Measurements of the naked body, standing relaxed. A girth is that of the convex hull of the section
  * (docs/result.md). */
-enum {
+typedef enum im2fit_measurement {
   IM2FIT_STATURE = 0,
   IM2FIT_SLEEVE_LENGTH,
   IM2FIT_LEG_LENGTH,
@@ -475,7 +484,7 @@ enum {
   IM2FIT_HIP_GIRTH,
   IM2FIT_INSIDE_LEG,
   IM2FIT_WEIGHT
-};
+} im2fit_measurement;
 #define IM2FIT_MEASUREMENT_COUNT 11
 
 /* Joints, in the order HE NE TO LS RS LE RE LA RA LH RH LK RK LF RF: head, neck, torso, then left and right
@@ -549,6 +558,33 @@ typedef struct im2fit_result {
  * The text of an error is in im2fit_last_error(NULL) only. */
 IM2FIT_API int im2fit_poll(const im2fit_handle* handle, im2fit_result* result, size_t struct_size);
 
+/* The mask of a frame, and which frame and person it is of. */
+typedef struct im2fit_mask_info {
+  int32_t width, height; /* pixels of the mask: those of the settings */
+  int32_t user_id;       /* the person, as im2fit_result.user_id; 0: no person is in view, and the mask is empty */
+  int32_t reserved;      /* padding, so that a later field gets a place of its own: 0 */
+  uint64_t sequence;     /* of the frame, as pushed: draw the mask over that picture */
+  int64_t time_ns;
+} im2fit_mask_info;
+
+/* Copies which pixels of the latest processed frame show the person of im2fit_result.user_id. Any thread. Waits for
+ * one copy of a mask at most. Frames are not processed once measured: the mask is then of the last one.
+ *   mask         width x height bytes, rows from the top without padding: 255 the person, 0 all else. The pixels are
+ *                those of the upright picture. A frame with a pose is seen from the first view (im2fit_frame.turn_x).
+ *                NULL with a capacity of 0: only `info` is written
+ *   capacity     bytes at `mask`
+ *   info         may be NULL, with `mask` only
+ *   struct_size  sizeof *info of the caller's header
+ * The first call on a handle makes it keep masks from the next frame on, at the cost of a copy of a mask a frame.
+ * Errors:
+ *   INVALID_ARGUMENT  `mask` is NULL with a capacity, or both places are NULL
+ *   NOT_FOUND         no frame was processed since the first call, or since im2fit_reset: call again after a frame
+ *   TOO_SMALL         `capacity` is less than width x height; `info` is written
+ *   NO_MEMORY
+ * The text of an error is in im2fit_last_error(NULL) only. Allocates in the first call. */
+IM2FIT_API int im2fit_mask(const im2fit_handle* handle, uint8_t* mask, size_t capacity, im2fit_mask_info* info,
+                           size_t struct_size);
+
 typedef struct im2fit_size {
   char name[32];     /* "M"; "<XS" and ">3XL": outside the chart */
   float probability; /* 0..1; all sizes sum to 1 */
@@ -564,11 +600,11 @@ typedef struct im2fit_size {
 IM2FIT_API int im2fit_sizes(im2fit_handle* handle, im2fit_size* sizes, size_t capacity, size_t* count, size_t* best);
 
 /* Status of a measurement of the tape. */
-enum {
+typedef enum im2fit_tape_status {
   IM2FIT_TAPE_MEASURED = 0,
   IM2FIT_TAPE_REFUSED, /* never measured: a depth camera or the body model does not show it */
   IM2FIT_TAPE_ABSENT   /* this body has no such section */
-};
+} im2fit_tape_status;
 
 typedef struct im2fit_tape_value {
   int32_t status;     /* IM2FIT_TAPE_... */
@@ -627,7 +663,11 @@ IM2FIT_API int im2fit_body_residual(im2fit_handle* handle, float residual[IM2FIT
  * Allocates. */
 IM2FIT_API int im2fit_result_json(im2fit_handle* handle, char* text, size_t capacity, size_t* length);
 
-enum { IM2FIT_AVATAR_GLB = 0, IM2FIT_AVATAR_OBJ = 1, IM2FIT_AVATAR_BVH = 2 };
+typedef enum im2fit_avatar_format {
+  IM2FIT_AVATAR_GLB = 0,
+  IM2FIT_AVATAR_OBJ = 1,
+  IM2FIT_AVATAR_BVH = 2
+} im2fit_avatar_format;
 
 /* Writes the person as the bytes of a .glb, .obj or .bvh file (docs/formats-body.md). `format` is
  * IM2FIT_AVATAR_.... *size gets the number of bytes. With a capacity of 0, `bytes` may be NULL. The .obj has
@@ -667,12 +707,12 @@ IM2FIT_API int im2fit_live_rig(im2fit_handle* handle, im2fit_rig* rig, size_t st
 /* ---- Garments (docs/garments.md) ------------------------------------------------------------------------------- */
 
 /* How a garment fits in a region. */
-enum {
+typedef enum im2fit_verdict {
   IM2FIT_FIT_TIGHT = 0, /* too small: it presses on the body */
   IM2FIT_FIT_SNUG,      /* closer than designed */
   IM2FIT_FIT_GOOD,      /* as designed */
   IM2FIT_FIT_LOOSE      /* wider than designed */
-};
+} im2fit_verdict;
 
 typedef struct im2fit_region_fit {
   const char* name;      /* "chest"; constant */
@@ -736,7 +776,7 @@ IM2FIT_API int im2fit_dressed_avatar(im2fit_handle* handle, const im2fit_worn* w
 /* Names as in result.json. NULL for a number out of range. They need no handle: any thread, at any time. */
 
 IM2FIT_API const char* im2fit_state_name(int state);    /* "TRACKING" */
-IM2FIT_API const char* im2fit_guidance_name(int bit);   /* 0..14: "TOO_NEAR" is bit 1 */
+IM2FIT_API const char* im2fit_guidance_name(int bit);   /* 0..16: "TOO_NEAR" is bit 1 */
 IM2FIT_API const char* im2fit_measurement_name(int id); /* "chest_girth" */
 IM2FIT_API const char* im2fit_measurement_unit(int id); /* "mm" or "kg" */
 IM2FIT_API const char* im2fit_joint_name(int joint);    /* "HE" */
@@ -750,6 +790,10 @@ IM2FIT_API const char* im2fit_garment_id(size_t index); /* "t_shirt" */
 IM2FIT_API const char* im2fit_fit_name(int verdict);    /* "tight" */
 IM2FIT_API const char* im2fit_rig_node_name(int node);  /* "left_upper_arm" */
 IM2FIT_API int im2fit_rig_node_parent(int node);        /* the parent node; -1: of node 0, or out of range */
+/* "Step back" for bit 1, TOO_NEAR: at most six words, to show or speak. `language` as for im2fit_garment_name. UTF-8.
+ * Of several codes show one: NO_PERSON, TURN_ROUND, TURN_SLOWER and SEVERAL_PEOPLE come first, then the distance,
+ * then what is cut off, then the pose; TURN_ON and CLOTHED come last. */
+IM2FIT_API const char* im2fit_guidance_text(int bit, const char* language);
 /* "T-shirt". `language` is "en", "de", "es", "fr" or "zh"; NULL for others. UTF-8. */
 IM2FIT_API const char* im2fit_garment_name(size_t index, const char* language);
 /* "Thigh girth". `language` as for im2fit_garment_name. UTF-8. */

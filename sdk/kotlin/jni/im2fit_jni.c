@@ -167,7 +167,7 @@ enum {
   FRAME_FLOATS
 };
 
-// pixels, confidence: direct buffers, long enough from their ..._AT on: Frame.kt has checked.
+// pixels, confidence: direct buffers, long enough from their ..._AT on: DepthFrame.kt has checked.
 static jint native_push(JNIEnv* env, jclass type, jlong handle, jobject pixels, jobject confidence, jintArray numbers,
                         jlongArray longs, jfloatArray floats) {
   (void)type;
@@ -243,8 +243,8 @@ static jint native_act(JNIEnv* env, jclass type, jlong handle, jint what, jint n
 
 // poll's layout, for Result.kt: whole numbers, then floats.
 enum {
-  RESULT_LONGS = 12,
-  RESULT_FLOATS = 3 * IM2FIT_MEASUREMENT_COUNT + 8 * IM2FIT_JOINT_COUNT + 6 + IM2FIT_AGE_BAND_COUNT
+  RESULT_LONGS = 15,
+  RESULT_FLOATS = 3 * IM2FIT_MEASUREMENT_COUNT + 8 * IM2FIT_JOINT_COUNT + 6 + IM2FIT_AGE_BAND_COUNT + 1
 };
 
 static jfloat* put_estimate(jfloat* to, const im2fit_estimate* estimate) {
@@ -280,7 +280,10 @@ static jint native_poll(JNIEnv* env, jclass type, jlong handle, jlongArray longs
                                  result.session,
                                  (jlong)result.frames_seen,
                                  (jlong)result.frames_used,
-                                 (jlong)result.frames_dropped};
+                                 (jlong)result.frames_dropped,
+                                 result.frames_wanted,
+                                 result.known_used,
+                                 result.known_doubted};
   jfloat f[RESULT_FLOATS];
   jfloat* to = f;
   for (int i = 0; i < IM2FIT_MEASUREMENT_COUNT; ++i) to = put_estimate(to, &result.measurements[i]);
@@ -290,9 +293,26 @@ static jint native_poll(JNIEnv* env, jclass type, jlong handle, jlongArray longs
   *to++ = result.clothing_ease_mm;
   for (int i = 0; i < IM2FIT_AGE_BAND_COUNT; ++i) *to++ = result.age_bands[i];
   to = put_joints(to, result.joints);
-  put_joints(to, result.display_joints);
+  to = put_joints(to, result.display_joints);
+  *to = result.turned_deg;
   (*env)->SetLongArrayRegion(env, longs, 0, RESULT_LONGS, l);
   if (!(*env)->ExceptionCheck(env)) (*env)->SetFloatArrayRegion(env, floats, 0, RESULT_FLOATS, f);
+  return IM2FIT_OK;
+}
+
+// pixels: null to ask for `longs`, else as many bytes as the mask has; longs: width, height, the person's id, the
+// frame's sequence number and time.
+static jint native_mask(JNIEnv* env, jclass type, jlong handle, jbyteArray pixels, jlongArray longs) {
+  (void)type;
+  im2fit_mask_info info;
+  jbyte* to = pixels ? (*env)->GetByteArrayElements(env, pixels, NULL) : NULL;
+  if (pixels && !to) return IM2FIT_ERROR_NO_MEMORY;
+  const size_t capacity = pixels ? (size_t)(*env)->GetArrayLength(env, pixels) : 0;
+  const jint status = im2fit_mask(handle_of(handle), (uint8_t*)to, capacity, &info, sizeof info);
+  if (to) (*env)->ReleaseByteArrayElements(env, pixels, to, 0);
+  if (status != IM2FIT_OK) return status;
+  const jlong l[] = {info.width, info.height, info.user_id, (jlong)info.sequence, info.time_ns};
+  (*env)->SetLongArrayRegion(env, longs, 0, (jsize)(sizeof l / sizeof l[0]), l);
   return IM2FIT_OK;
 }
 
@@ -316,6 +336,15 @@ static jint native_sizes(JNIEnv* env, jclass type, jlong handle, jobjectArray na
   const jint numbers[2] = {(jint)count, (jint)best};
   (*env)->SetIntArrayRegion(env, counted, 0, 2, numbers);
   return IM2FIT_OK;
+}
+
+// What to say for a bit of the guidance in `language`; null where there is no such bit or language.
+static jbyteArray native_guidance_text(JNIEnv* env, jclass type, jint bit, jbyteArray language) {
+  (void)type;
+  char code[8] = {0};
+  const jsize length = (*env)->GetArrayLength(env, language);
+  (*env)->GetByteArrayRegion(env, language, 0, length < 7 ? length : 7, (jbyte*)code);
+  return bytes_of(env, im2fit_guidance_text(bit, code));
 }
 
 static jint native_tape_count(JNIEnv* env, jclass type) {
@@ -392,6 +421,35 @@ static jint native_mesh(JNIEnv* env, jclass type, jlong handle, jfloatArray vert
   return status;
 }
 
+// values: float[IM2FIT_MEASUREMENT_COUNT].
+static jint native_residual(JNIEnv* env, jclass type, jlong handle, jfloatArray values) {
+  (void)type;
+  jfloat residual[IM2FIT_MEASUREMENT_COUNT];
+  const jint status = im2fit_body_residual(handle_of(handle), residual);
+  if (status == IM2FIT_OK) (*env)->SetFloatArrayRegion(env, values, 0, IM2FIT_MEASUREMENT_COUNT, residual);
+  return status;
+}
+
+// Order of setKnown's `facts`.
+enum { STATURE_MM, STATURE_SD_MM, WEIGHT_KG, WEIGHT_SD_KG, AGE_YEARS, AGE_SD_YEARS, FACTS };
+
+static jint native_set_known(JNIEnv* env, jclass type, jlong handle, jfloatArray facts, jint sex) {
+  (void)type;
+  jfloat f[FACTS];
+  (*env)->GetFloatArrayRegion(env, facts, 0, FACTS, f);
+  if ((*env)->ExceptionCheck(env)) return IM2FIT_ERROR_INVALID_ARGUMENT;
+  im2fit_known known;
+  im2fit_known_init(&known, sizeof known);
+  known.stature_mm = f[STATURE_MM];
+  known.stature_sd_mm = f[STATURE_SD_MM];
+  known.weight_kg = f[WEIGHT_KG];
+  known.weight_sd_kg = f[WEIGHT_SD_KG];
+  known.age_years = f[AGE_YEARS];
+  known.age_sd_years = f[AGE_SD_YEARS];
+  known.sex = sex;
+  return im2fit_set_known(handle_of(handle), &known);
+}
+
 enum { BYTES_JSON = -1 };  // else IM2FIT_AVATAR_...
 
 // The result as JSON, or an avatar, into made[0].
@@ -439,11 +497,15 @@ JNIEXPORT jint JNICALL JNI_OnLoad(JavaVM* machine, void* reserved) {
       {"push", "(JLjava/nio/ByteBuffer;Ljava/nio/ByteBuffer;[I[J[F)I", (void*)native_push},
       {"act", "(JII)I", (void*)native_act},
       {"poll", "(J[J[F)I", (void*)native_poll},
+      {"mask", "(J[B[J)I", (void*)native_mask},
+      {"guidanceText", "(I[B)[B", (void*)native_guidance_text},
       {"sizes", "(J[[B[F[I)I", (void*)native_sizes},
       {"tapeCount", "()I", (void*)native_tape_count},
       {"tapeWords", "(I[B[[B)V", (void*)native_tape_words},
       {"tape", "(J[I[F[[B)I", (void*)native_tape},
       {"mesh", "(J[F[I[I)I", (void*)native_mesh},
+      {"residual", "(J[F)I", (void*)native_residual},
+      {"setKnown", "(J[FI)I", (void*)native_set_known},
       {"bytes", "(JI[[B)I", (void*)native_bytes},
       {"garmentCount", "()I", (void*)native_garment_count},
       {"garmentWords", "(I[B[[B)V", (void*)native_garment_words},

@@ -67,7 +67,7 @@ jint native_dressed(JNIEnv* env, jclass type, jlong handle, jobjectArray ids, jo
   im2fit_worn worn[IM2FIT_WORN_COUNT_MAX];
   char* texts[2 * IM2FIT_WORN_COUNT_MAX] = {NULL};
   const jsize length = (*env)->GetArrayLength(env, ids);
-  const jsize count = length < IM2FIT_WORN_COUNT_MAX ? length : IM2FIT_WORN_COUNT_MAX; /* Session.kt has checked */
+  const jsize count = length < IM2FIT_WORN_COUNT_MAX ? length : IM2FIT_WORN_COUNT_MAX; /* FitSession.kt has checked */
   for (jsize i = 0; i < count && !(*env)->ExceptionCheck(env); ++i) {
     texts[2 * i] = text_at(env, ids, i);
     if (!(*env)->ExceptionCheck(env)) texts[2 * i + 1] = text_at(env, sizes, i);

@@ -31,14 +31,14 @@ class Clip(folder: File) {
     // OpenCV's order in the file: k1 k2 p1 p2 k3.
     private val lens = Regex("distortion_coefficients:.*?data: \\[([^]]*)]", RegexOption.DOT_MATCHES_ALL).find(yaml)
         ?.groupValues?.get(1)?.split(",")?.map { it.trim().toFloat() }?.let { Lens(it[0], it[1], it[4], it[2], it[3]) } ?: Lens()
-    val camera = Camera(number("image_width"), number("image_height"), k[0], k[4], k[2], k[5], rotate, lens)
+    val camera = CameraModel(number("image_width"), number("image_height"), k[0], k[4], k[2], k[5], rotate, lens)
     val depth: List<ShortArray> = folder.listFiles()!!.filter { it.name.endsWith(".png") }.sorted().map {
         (ImageIO.read(it).raster.dataBuffer as DataBufferUShort).data
     }
     // As `im2fit measure` times a folder without timestamps.csv; the golden clip's are the same to the nanosecond's tens.
     fun timeNs(number: Int) = number * 1_000_000_000L / 30
-    fun frames(): Sequence<Frame> = depth.asSequence().mapIndexed { i, mm ->
-        Frame.ofMillimetres(mm, timeNs(i), i.toLong())
+    fun frames(): Sequence<DepthFrame> = depth.asSequence().mapIndexed { i, mm ->
+        DepthFrame.ofMillimetres(mm, timeNs(i), i.toLong())
     }
 }
 
@@ -83,30 +83,31 @@ fun main(arguments: Array<String>) {
     }
     test("failures have a status and a text") {
         val missing = fails<Im2fitException> {
-            Session(clip.camera, Models(ModelFile.Path(File("/nonexistent.i2t")), models.index)).close()
+            FitSession(clip.camera, Models(ModelFile.Path(File("/nonexistent.i2t")), models.index)).close()
         }
         expect(missing.statusName in listOf("not_found", "io") && "nonexistent" in missing.message!!) { "$missing" }
-        val wrong = fails<Im2fitException> { Session(clip.camera, models, Settings(framesWanted = 0)).close() }
+        val wrong = fails<Im2fitException> { FitSession(clip.camera, models, Settings(framesWanted = 0)).close() }
         same(wrong.statusName, "invalid_argument", "no frames wanted")
-        fails<IllegalArgumentException> { Camera(1, 1, 1f, 1f, 0f, 0f, rotateDeg = 45) }
+        fails<IllegalArgumentException> { CameraModel(1, 1, 1f, 1f, 0f, 0f, rotateDeg = 45) }
         fails<IllegalArgumentException> { Models.of(File("/nonexistent")) }
-        fails<IllegalArgumentException> { Frame(ByteBuffer.allocate(4), DepthFormat.U16) }
+        fails<IllegalArgumentException> { DepthFrame(ByteBuffer.allocate(4), DepthFormat.U16) }
         fails<IllegalArgumentException> { tapeDefinitions("xx") }
     }
     test("short buffers never reach the library") {
-        Session(clip.camera, models, quick).use { session ->
-            fails<IllegalArgumentException> { session.push(Frame.ofMillimetres(ShortArray(320 * 240 - 1))) }
+        FitSession(clip.camera, models, quick).use { session ->
+            fails<IllegalArgumentException> { session.push(DepthFrame.ofMillimetres(ShortArray(320 * 240 - 1))) }
             val plane = ByteBuffer.allocateDirect(320 * 240 * 2)
-            fails<IllegalArgumentException> { session.push(Frame(plane, DepthFormat.U16, rowBytes = 642)) }
-            fails<IllegalArgumentException> { session.push(Frame(plane, DepthFormat.F32)) }
-            val odd = fails<Im2fitException> { session.push(Frame(plane, DepthFormat.U16, unitMm = -1f)) }
+            fails<IllegalArgumentException> { session.push(DepthFrame(plane, DepthFormat.U16, rowBytes = 642)) }
+            fails<IllegalArgumentException> { session.push(DepthFrame(plane, DepthFormat.F32)) }
+            val odd = fails<Im2fitException> { session.push(DepthFrame(plane, DepthFormat.U16, unitMm = -1f)) }
             expect("unit_mm" in odd.message!!) { "$odd" }
         }
     }
     test("an empty room is not measured") {
-        Session(clip.camera, models, quick).use { session ->
+        FitSession(clip.camera, models, quick).use { session ->
             val states = mutableListOf<Progress>()
-            val outcome = session.measure(generateSequence { Frame.ofMillimetres(ShortArray(320 * 240)) }.take(3)) { states += it }
+            val room = generateSequence { DepthFrame.ofMillimetres(ShortArray(320 * 240)) }.take(3)
+            val outcome = session.measure(room) { states += it }
             expect(outcome is Outcome.NotMeasured && Guidance.NO_PERSON in outcome.guidance) { "$outcome" }
             same(states.last().state, State.SEARCHING, "state")
             same(fails<Im2fitException> { session.mesh() }.statusName, "not_measured", "mesh without a person")
@@ -118,7 +119,7 @@ fun main(arguments: Array<String>) {
     test("metres, millimetres and DEPTH16 are one person") {
         val half = ByteOrder.nativeOrder()
         val metres = clip.depth.asSequence().mapIndexed { i, mm ->
-            Frame.ofMetres(FloatArray(mm.size) { mm[it] / 1000f }, clip.timeNs(i), i.toLong())
+            DepthFrame.ofMetres(FloatArray(mm.size) { mm[it] / 1000f }, clip.timeNs(i), i.toLong())
         }
         val depth16 = clip.depth.asSequence().mapIndexed { i, mm -> // a row longer than the picture, confidence in the top bits
             val buffer = ByteBuffer.allocateDirect(240 * 700).order(half)
@@ -126,10 +127,10 @@ fun main(arguments: Array<String>) {
                 val z = mm[y * 320 + x].toInt() and 0xffff
                 buffer.putShort(y * 700 + 2 * x, (if (z < 8192) z else 0).toShort())
             }
-            Frame(buffer, DepthFormat.DEPTH16, rowBytes = 700, timeNs = clip.timeNs(i), sequence = i.toLong())
+            DepthFrame(buffer, DepthFormat.DEPTH16, rowBytes = 700, timeNs = clip.timeNs(i), sequence = i.toLong())
         }
         val people = listOf(clip.frames(), metres, depth16).map { frames ->
-            Session(clip.camera, models, quick).use { it.measure(frames) }
+            FitSession(clip.camera, models, quick).use { it.measure(frames) }
         }
         expect(people[0] is Outcome.Measured) { "${people[0]}" }
         same(people[1], people[0], "in metres")
@@ -144,11 +145,11 @@ fun main(arguments: Array<String>) {
         same(Direction.ofAndroidGravity(upright, 270), Direction(-9.81f, -0f, 0f), "by 270 degrees")
         // Tilted forward, its back looks down: forward has a share of down.
         expect(Direction.ofAndroidGravity(floatArrayOf(0f, 9f, 3f), 90).z > 0) { "looking down" }
-        Session(clip.camera, models, quick).use { session ->
+        FitSession(clip.camera, models, quick).use { session ->
             val still = clip.frames().first()
-            session.push(Frame(still.pixels, still.format, down = Direction(9.81f, 0f, 0f)))
+            session.push(DepthFrame(still.pixels, still.format, down = Direction(9.81f, 0f, 0f)))
             val bad = fails<Im2fitException> {
-                session.push(Frame(still.pixels, still.format, down = Direction(Float.NaN, 0f, 0f)))
+                session.push(DepthFrame(still.pixels, still.format, down = Direction(Float.NaN, 0f, 0f)))
             }
             expect("down_x" in bad.message!!) { "$bad" }
         }
@@ -158,7 +159,7 @@ fun main(arguments: Array<String>) {
         same(garments("de").first { it.id == "trousers" }.name, "Hose", "in German")
         fails<IllegalArgumentException> { garments("xx") }
         same(rigNodes().first(), RigNode("pelvis", -1), "the first node")
-        Session(clip.camera, models, quick).use { session ->
+        FitSession(clip.camera, models, quick).use { session ->
             val info = session.modelInfo()
             expect(info.people in 1..info.captures && info.madeBy.isNotEmpty()) { "$info" }
             expect(info.hasBody && !info.siteCorrected) { "$info" }
@@ -169,18 +170,19 @@ fun main(arguments: Array<String>) {
     }
     test("a camera in the hand") {
         // ARCore looks along -z with y up: its identity is a half turn about x in our axes.
-        same(Pose.ofArCore(floatArrayOf(0f, 0f, 0f, 1f), floatArrayOf(1f, 2f, 3f)), Pose(1f, 0f, -0f, -0f, 1000f, 2000f, 3000f), "ARCore")
-        fun posed(pose: Pose) = clip.frames().map {
-            Frame(it.pixels, it.format, timeNs = it.timeNs, sequence = it.sequence, pose = pose)
+        val identity = CameraPose.ofArCore(floatArrayOf(0f, 0f, 0f, 1f), floatArrayOf(1f, 2f, 3f))
+        same(identity, CameraPose(1f, 0f, -0f, -0f, 1000f, 2000f, 3000f), "ARCore")
+        fun posed(pose: CameraPose) = clip.frames().map {
+            DepthFrame(it.pixels, it.format, timeNs = it.timeNs, sequence = it.sequence, pose = pose)
         }
-        val still = Session(clip.camera, models, quick).use { it.measure(clip.frames()) }
+        val still = FitSession(clip.camera, models, quick).use { it.measure(clip.frames()) }
         // Wherever a camera is that does not move, its frames are taken as they are.
-        val held = Pose(0.5f, -0.5f, 0.5f, 0.5f, 10f, 20f, 30f)
-        same(Session(clip.camera, models, quick).use { it.measure(posed(held)) }, still, "a camera at rest")
+        val held = CameraPose(0.5f, -0.5f, 0.5f, 0.5f, 10f, 20f, 30f)
+        same(FitSession(clip.camera, models, quick).use { it.measure(posed(held)) }, still, "a camera at rest")
         // Each number reaches the library: a single one that is not a number is refused.
         fun bad(at: Int) = FloatArray(7) { if (it == at) Float.NaN else if (it == 3) 1f else 0f }
-            .let { Pose(it[0], it[1], it[2], it[3], it[4], it[5], it[6]) }
-        for (at in 0 until 7) Session(clip.camera, models, quick).use { session ->
+            .let { CameraPose(it[0], it[1], it[2], it[3], it[4], it[5], it[6]) }
+        for (at in 0 until 7) FitSession(clip.camera, models, quick).use { session ->
             val found = fails<Im2fitException> { session.push(posed(bad(at)).first()) }
             expect((if (at < 4) "frame.turn_x" else "frame.x_mm") in found.message!!) { "$found" }
         }
@@ -191,30 +193,30 @@ fun main(arguments: Array<String>) {
         fails<IllegalArgumentException> { Lens.ofAndroid(floatArrayOf(1f, 2f, 3f, 4f, 5f, 6f)) }
         // Each coefficient reaches the library: a single one that is not a number is refused.
         for (lens in (0..4).map { at -> Lens.ofAndroid(FloatArray(5) { if (it == at) Float.NaN else 0f }) }) {
-            Session(clip.camera.copy(lens = lens), models, quick).use { session ->
+            FitSession(clip.camera.copy(lens = lens), models, quick).use { session ->
                 val bad = fails<Im2fitException> { session.push(clip.frames().first()) }
                 expect("frame.k1, k2, k3, p1, p2" in bad.message!!) { "$bad" }
             }
         }
         // A picture that is straight is not measured as the same person when a lens is undone that it never saw.
-        val straight = Session(clip.camera, models, quick).use { it.measure(clip.frames()) }
+        val straight = FitSession(clip.camera, models, quick).use { it.measure(clip.frames()) }
         val bent = clip.camera.copy(lens = Lens(k1 = 0.1f))
-        val other = Session(bent, models, quick).use { it.measure(clip.frames()) }
+        val other = FitSession(bent, models, quick).use { it.measure(clip.frames()) }
         expect(other != straight) { "the lens changes nothing" }
         // A frame's own camera counts, as its focal length does.
-        same(Session(clip.camera, models, quick).use { session ->
+        same(FitSession(clip.camera, models, quick).use { session ->
             session.measure(clip.frames().map {
-                Frame(it.pixels, it.format, timeNs = it.timeNs, sequence = it.sequence, camera = bent)
+                DepthFrame(it.pixels, it.format, timeNs = it.timeNs, sequence = it.sequence, camera = bent)
             })
         }, other, "the lens of frames")
     }
     test("models from memory and from inside a file") {
         fun content(file: ModelFile?) = (file as ModelFile.Path).file.readBytes()
         val bytes = Models(ModelFile.Bytes(content(models.tracker)), ModelFile.Bytes(content(models.index)))
-        Session(clip.camera, bytes, quick).use { expect(it.measure(clip.frames()) is Outcome.Measured) { "not measured" } }
+        FitSession(clip.camera, bytes, quick).use { expect(it.measure(clip.frames()) is Outcome.Measured) { "not measured" } }
     }
     test("a state is reported when it changes, and no frame is taken ahead") {
-        Session(clip.camera, models, quick.copy(singleThread = true)).use { session ->
+        FitSession(clip.camera, models, quick.copy(singleThread = true)).use { session ->
             var taken = 0
             val states = session.states(clip.frames().onEach { taken++ }).iterator()
             same(taken, 0, "frames before the first state")
@@ -228,12 +230,90 @@ fun main(arguments: Array<String>) {
             same(session.progress().state, State.SEARCHING, "after reset")
         }
     }
+    test("the mask is the person's") {
+        FitSession(clip.camera, models, quick.copy(singleThread = true)).use { session ->
+            same(session.mask(), null, "a mask before the first frame")
+            val frame = clip.frames().elementAt(1)
+            session.push(frame)
+            val mask = session.mask()!!
+            val progress = session.progress()
+            same(listOf(mask.width, mask.height), clip.camera.upright().let { listOf(it.width, it.height) }, "the size")
+            same(listOf(mask.sequence, mask.timeNs), listOf(frame.sequence, frame.timeNs), "the frame")
+            same(mask.userId, progress.userId, "the person")
+            // The chest is the person's, the picture's corner is not.
+            val chest = progress.joints.first { it.name == JointName.TO }.let { joint ->
+                val k = clip.camera.upright()
+                Math.round(k.fx * joint.x / joint.z + k.cx) to Math.round(k.fy * joint.y / joint.z + k.cy)
+            }
+            expect(mask[chest.first, chest.second] && !mask[0, 0]) { "chest at $chest" }
+            expect(mask.pixels.all { it.toInt() == 0 || it.toInt() == -1 }) { "another value than 0 and 255" }
+            val share = mask.pixels.count { it.toInt() != 0 }.toDouble() / mask.pixels.size
+            expect(share in 0.03..0.5) { "the person has $share of the picture" }
+            same(progress.framesWanted, 6L, "frames wanted")
+            session.reset()
+            same(session.mask(), null, "a mask after reset")
+        }
+    }
+    test("guidance has words in five languages") {
+        for (language in listOf("en", "de", "es", "fr", "zh"))
+            same(Guidance.values().map { it.text(language) }.toSet().size, Guidance.values().size, "texts in $language")
+        expect(Guidance.TOO_NEAR.text("de") != Guidance.TOO_NEAR.text()) { Guidance.TOO_NEAR.text() }
+        fails<IllegalArgumentException> { Guidance.TOO_NEAR.text("xx") }
+    }
+    test("known facts are evidence") {
+        FitSession(clip.camera, models, quick).use { session ->
+            val before = (session.measure(clip.frames()) as Outcome.Measured).person
+            same(before.knownUsed + before.knownDoubted, emptySet<KnownFact>(), "facts before any")
+            fun with(known: Known): Person {
+                session.setKnown(known)
+                return (session.outcome() as Outcome.Measured).person
+            }
+            val weight = before[Measurement.WEIGHT].value + 5
+            val weighed = with(Known(weightKg = weight, weightSdKg = 0.7f))
+            same(weighed.knownUsed, setOf(KnownFact.WEIGHT), "facts used")
+            expect(abs(weighed[Measurement.WEIGHT].value - weight) < 1.5f) { "${weighed[Measurement.WEIGHT]}, weighed $weight" }
+            val tall = before[Measurement.STATURE].value + 15
+            val all = with(Known(tall, weight, if (before.female > 0.5f) Sex.WOMAN else Sex.MAN, 40.5f, 5f, 0.7f, 0.4f))
+            same(all.knownUsed, KnownFact.values().toSet(), "facts used")
+            expect(abs(all.age.value - 40.5f) < 1) { "${all.age}" }
+            expect(all[Measurement.STATURE].value > before[Measurement.STATURE].value + 5) { "${all[Measurement.STATURE]}" }
+            same(with(Known(statureMm = 2450f)).knownDoubted, setOf(KnownFact.STATURE), "facts doubted")
+            // Each number reaches the library: its text names the one that cannot be.
+            val bad = mapOf(Known(statureMm = -1f) to "stature", Known(1700f, statureSdMm = -1f) to "stature",
+                Known(weightKg = -1f) to "weight", Known(weightKg = 70f, weightSdKg = -1f) to "weight",
+                Known(ageYears = -1f) to "age", Known(ageYears = 40f, ageSdYears = -1f) to "age")
+            for ((known, word) in bad) {
+                val refused = fails<Im2fitException> { session.setKnown(known) }
+                expect(word in refused.message!!) { "$known: $refused" }
+            }
+            same(with(Known())[Measurement.WEIGHT], before[Measurement.WEIGHT], "weight once nothing is known")
+        }
+    }
+    test("each turn asks for its own") {
+        // The clip shows the front alone: a turn of the person is asked for, and the answer rests on the front.
+        val shapes = FitSession(clip.camera, models, quick).use { it.modelInfo().answersShape }
+        val asked = mapOf(Turn.NONE to null, Turn.BACK to Guidance.TURN_ROUND, Turn.AROUND to Guidance.TURN_ON).filterKeys { shapes || it != Turn.AROUND }
+        if (!shapes) { // models that cannot measure a turn: AROUND alone is refused
+            val refused = fails<Im2fitException> { FitSession(clip.camera, models, quick.copy(turn = Turn.AROUND)).close() }
+            expect("all round" in refused.message!!) { "$refused" }
+        }
+        for ((turn, guidance) in asked) FitSession(clip.camera, models, quick.copy(turn = turn)).use { session ->
+            for (frame in clip.frames()) session.push(frame)
+            session.await()
+            val last = session.progress()
+            same(last.state, if (guidance == null) State.MEASURED else State.TURNING, "state with $turn")
+            expect(guidance == null || guidance in last.guidance) { "guidance with $turn: ${last.guidance}" }
+            expect(abs(last.turnedDeg) < 30) { "a person who stands still turned by ${last.turnedDeg} degrees" }
+            val outcome = session.finish()
+            expect(outcome is Outcome.Measured && outcome.person.views == Views.FRONT) { "$turn: $outcome" }
+        }
+    }
     test("a flow of frames gives the sequence's states") {
         val single = quick.copy(singleThread = true)
-        val expected = Session(clip.camera, models, single).use { it.states(clip.frames()).toList() }
-        Session(clip.camera, models, single).use { session ->
+        val expected = FitSession(clip.camera, models, single).use { it.states(clip.frames()).toList() }
+        FitSession(clip.camera, models, single).use { session ->
             var taken = 0
-            val states = session.states(flow<Frame> {
+            val states = session.states(flow<DepthFrame> {
                 for (frame in clip.frames()) {
                     taken++
                     emit(frame)
@@ -243,16 +323,21 @@ fun main(arguments: Array<String>) {
             same(collected(states), expected, "states")
             expect(taken <= clip.depth.size && session.outcome() is Outcome.Measured) { "$taken frames, ${session.outcome()}" }
         }
-        val broken = { Session(clip.camera, models, single).use { collected(it.states(flow<Frame> { error("no camera") })) } }
+        val noFrames = flow<DepthFrame> { error("no camera") }
+        val broken = { FitSession(clip.camera, models, single).use { collected(it.states(noFrames)) } }
         same(fails<IllegalStateException> { broken() }.message, "no camera", "a camera that fails")
     }
     test("a screen asks from another thread, and a closed session says so") {
-        val session = Session(clip.camera, models, quick)
+        val session = FitSession(clip.camera, models, quick)
         val ending = AtomicBoolean()
         val polls = AtomicLong()
         val screen = thread {
             try {
-                while (!ending.get()) polls.addAndGet(session.progress().framesSeen.coerceAtMost(1))
+                while (!ending.get()) {
+                    val mask = session.mask()
+                    expect(mask == null || mask.userId != 0 || mask.pixels.all { it == 0.toByte() }) { "pixels of nobody" }
+                    polls.addAndGet(session.progress().framesSeen.coerceAtMost(1))
+                }
             } catch (closed: IllegalStateException) {
                 expect("closed" in closed.message!!) { "$closed" }
             }
@@ -265,8 +350,9 @@ fun main(arguments: Array<String>) {
         fails<IllegalStateException> { session.progress() }
         fails<IllegalStateException> { session.push(clip.frames().first()) }
     }
+    feederTests(models)
     test("two hundred sessions") {
-        repeat(200) { Session(clip.camera, models, quick.copy(singleThread = true)).close() }
+        repeat(200) { FitSession(clip.camera, models, quick.copy(singleThread = true)).close() }
     }
     println("SdkTest: ${ran.size} tests passed")
 }
@@ -289,7 +375,7 @@ fun <T> collected(flow: Flow<T>): List<T> {
 }
 
 /** Each value, interval and probability to the digits that the program prints. */
-fun measuresAsProgram(clip: Clip, models: Models, output: String) = Session(clip.camera, models, quick).use { session ->
+fun measuresAsProgram(clip: Clip, models: Models, output: String) = FitSession(clip.camera, models, quick).use { session ->
     val outcome = session.measure(clip.frames())
     // The same numbers in the same words, but for where the frames came from.
     fun lines(json: String) = json.substringAfter("\"views\"").trim().lines()
@@ -366,6 +452,9 @@ fun measuresAsProgram(clip: Clip, models: Models, output: String) = Session(clip
     expect(abs(heights.min()!!) < 0.01f) { "soles at ${heights.min()}" }
     expect(abs(heights.max()!! - person[Measurement.STATURE].value) < 60) { "mesh of ${heights.max()} mm" } // posed
     same(mesh.triangles.max()!! + 1, mesh.vertices.size / 3, "vertices used")
+    val waist = session.residual().getValue(Measurement.WAIST_GIRTH)
+    val taped = (tape.getValue("waist_girth") as TapeValue.Measured).estimate.value // the mesh's
+    expect(abs(taped - person[Measurement.WAIST_GIRTH].value - waist) < 0.2f) { "$waist mm of residual, the tape says $taped" }
     same(String(session.avatar(Avatar.GLB).copyOf(4)), "glTF", ".glb")
     expect(String(session.avatar(Avatar.BVH)).startsWith("HIERARCHY")) { ".bvh" }
     expect(String(session.avatar(Avatar.OBJ)).startsWith("# im2fit avatar")) { ".obj" }

@@ -41,8 +41,9 @@ if TYPE_CHECKING:
 __version__ = "1.0.0"
 
 __all__ = ["Camera", "Clothing", "DepthFolder", "DepthFrame", "Error", "Estimate", "GarmentFit", "Guidance", "GuidanceCode",
-           "Models", "Person", "Sensor", "Session", "Settings", "Sex", "State", "Status", "TapeStatus", "TapeValue", "Turn", "User",
-           "Verdict", "View", "garments", "joint_names", "measure", "read_folder", "rig_nodes", "tape_names", "version"]
+           "Mask", "Models", "Person", "Sensor", "Session", "Settings", "Sex", "State", "Status", "TapeStatus", "TapeValue", "Turn",
+           "User", "Verdict", "View", "garment_names", "garments", "guidance_text", "joint_names", "measure", "read_folder",
+           "rig_node_parents", "rig_nodes", "tape_names", "version"]
 
 StrPath = Union[str, "os.PathLike[str]"]
 
@@ -84,6 +85,22 @@ def garments() -> list[str]:
     return [_lib().im2fit_garment_id(i).decode() for i in range(_lib().im2fit_garment_count())]
 
 
+def garment_names(language: str = "en") -> dict[str, str]:
+    """The names of all garments by id: "T-shirt". `language`: "en", "de", "es", "fr" or "zh"."""
+    names = {key: _lib().im2fit_garment_name(i, language.encode()) for i, key in enumerate(garments())}
+    if None in names.values():
+        raise ValueError(f"no names in the language {language!r}: expected en, de, es, fr or zh")
+    return {key: name.decode() for key, name in names.items()}
+
+
+def guidance_text(code: GuidanceCode, language: str = "en") -> str:
+    """What to say to the person, in at most six words: "Step back" for TOO_NEAR. `language`: "en", "de", "es", "fr" or "zh"."""
+    text = _lib().im2fit_guidance_text(code.bit_length() - 1, language.encode())
+    if text is None:
+        raise ValueError(f"no text for {code!r} in the language {language!r}: expected en, de, es, fr or zh")
+    return str(text.decode())
+
+
 def joint_names() -> list[str]:
     """The names of the rows of Session.joints(), in its order: head, neck, torso, then left and right shoulder, elbow, hand,
     hip, knee, foot ("HE", "NE", "TO", "LS", "RS", ...)."""
@@ -93,6 +110,11 @@ def joint_names() -> list[str]:
 def rig_nodes() -> list[str]:
     """The names of the nodes of Session.rig(), in its order."""
     return [_lib().im2fit_rig_node_name(i).decode() for i in range(_c.RIG_NODES)]
+
+
+def rig_node_parents() -> list[int]:
+    """For each of rig_nodes() the index of its parent; -1 for the first."""
+    return [_lib().im2fit_rig_node_parent(i) for i in range(_c.RIG_NODES)]
 
 
 def tape_names(language: str = "en") -> dict[str, str]:
@@ -108,7 +130,8 @@ def tape_names(language: str = "en") -> dict[str, str]:
 @dataclasses.dataclass(frozen=True)
 class Guidance:
     """The progress of a session. `codes`: what the person or the scene must change now. `view`: the side of the person in the
-    latest frame. `turned_deg`: with Turn.AROUND, how far the person has turned."""
+    latest frame. `turned_deg`: with Turn.AROUND, how far the person has turned. For a progress bar: `frames_used` of
+    `frames_wanted`; with Turn.BACK of both sides, each with `frames_wanted`."""
 
     state: State
     codes: tuple[GuidanceCode, ...]
@@ -117,6 +140,7 @@ class Guidance:
     frames_used: int
     view: View
     turned_deg: float
+    frames_wanted: int
 
 
 @dataclasses.dataclass(frozen=True)
@@ -132,6 +156,17 @@ class User:
     x: float
     y: float
     z: float
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Mask:
+    """The pixels of the person in a frame. `pixels`: height x width of the upright picture, True where the person is.
+    `user_id`: the person, as User.id; 0: no person is in view. `sequence`, `time_ns`: of the frame."""
+
+    pixels: npt.NDArray[np.bool_]
+    user_id: int
+    sequence: int
+    time_ns: int
 
 
 @dataclasses.dataclass(frozen=True)
@@ -269,6 +304,10 @@ class Session:
         if status != Status.OK:
             raise Error(status, cameras.im2fit_cameras_error().decode(errors="replace"))
 
+    def detach(self) -> None:
+        """Closes the attached source, if any. close() does that too."""
+        self._check(_lib().im2fit_detach(self._open_handle()))
+
     def pump(self, timeout_ms: int = 1000) -> Guidance | None:
         """Takes one frame from the attached source, if one comes within `timeout_ms`. Skips a damaged frame. Returns the
         Guidance, or None when a recording or folder has ended. Raises Error "no_device" when the camera is gone, "corrupt"
@@ -327,7 +366,7 @@ class Session:
         r = self._result()
         codes = tuple(code for code in GuidanceCode if r.guidance & code)
         return Guidance(State(r.state), codes, bool(r.measured), r.frames_seen, r.frames_used, View(r.view),
-                        r.turned_deg)
+                        r.turned_deg, r.frames_wanted)
 
     def joints(self) -> npt.NDArray[np.float32] | None:
         """15 x 4: x, y, z (mm, camera axes) and confidence of each joint (joint_names()); None without a person."""
@@ -335,6 +374,18 @@ class Session:
         if not r.has_joints:
             return None
         return np.array([(j.x, j.y, j.z, j.confidence) for j in r.joints], np.float32)
+
+    def mask(self) -> Mask | None:
+        """The person's pixels in the latest frame, to draw over the picture. None before the first frame after the first call:
+        the library keeps masks from then on."""
+        info, handle = _c.MaskInfo(), self._open_handle()
+        status = _lib().im2fit_mask(handle, None, 0, ctypes.byref(info), ctypes.sizeof(info))
+        if status == Status.NOT_FOUND:
+            return None
+        self._check(status)
+        pixels = np.empty((info.height, info.width), np.uint8)
+        self._check(_lib().im2fit_mask(handle, pixels.ctypes.data, pixels.size, ctypes.byref(info), ctypes.sizeof(info)))
+        return Mask(pixels != 0, info.user_id, info.sequence, info.time_ns)
 
     def users(self) -> list[User]:
         """All people in the latest frame, nearest first."""
@@ -372,6 +423,13 @@ class Session:
         self._check(_lib().im2fit_body_mesh(handle, vertices.ctypes.data, count, ctypes.byref(count), triangles.ctypes.data,
                                             faces, ctypes.byref(faces)))
         return vertices, triangles
+
+    def residual(self) -> dict[str, float]:
+        """By how much the measurements of mesh() differ from those of the measured Person: mm, weight in kg. Below 1 mm where a
+        body has them all."""
+        values = (ctypes.c_float * _c.MEASUREMENTS)()
+        self._check(_lib().im2fit_body_residual(self._open_handle(), values))
+        return {_lib().im2fit_measurement_name(i).decode(): value for i, value in enumerate(values)}
 
     def fit(self, garment: str) -> GarmentFit:
         """How a garment, by its id, fits the measured person: a GarmentFit."""

@@ -66,7 +66,12 @@ class Result(c.Structure):
         ("users", User * USERS), ("front_measured", c.c_int32), ("views", c.c_int32), ("frames_back", c.c_uint32),
         ("age", Estimate), ("age_bands", c.c_float * AGE_BANDS), ("arms_close", c.c_uint32),
         ("clothing_probability", c.c_float), ("clothing_ease_mm", c.c_float), ("known_used", c.c_uint32),
-        ("known_doubted", c.c_uint32), ("turned_deg", c.c_float)]
+        ("known_doubted", c.c_uint32), ("turned_deg", c.c_float), ("frames_wanted", c.c_int32)]
+
+
+class MaskInfo(c.Structure):
+    _fields_ = [("width", c.c_int32), ("height", c.c_int32), ("user_id", c.c_int32), ("reserved", c.c_int32),
+                ("sequence", c.c_uint64), ("time_ns", c.c_int64)]
 
 
 class Known(c.Structure):
@@ -114,7 +119,7 @@ class CamerasOptions(c.Structure):
 
 STRUCTS = {"im2fit_data": Data, "im2fit_settings": Settings, "im2fit_frame": Frame, "im2fit_estimate": Estimate,
            "im2fit_joint": Joint, "im2fit_known": Known, "im2fit_user": User, "im2fit_result": Result,
-           "im2fit_size": Size, "im2fit_tape_value": TapeValue,
+           "im2fit_mask_info": MaskInfo, "im2fit_size": Size, "im2fit_tape_value": TapeValue,
            "im2fit_region_fit": RegionFit, "im2fit_size_fit": SizeFit, "im2fit_worn": Worn, "im2fit_rig": Rig,
            "im2fit_models": Models, "im2fit_cameras_options": CamerasOptions}
 
@@ -136,6 +141,7 @@ def load(path: str | None = None) -> c.CDLL:
             ("known_init", None, [c.POINTER(Known), c.c_size_t]), ("set_known", c.c_int, [pointer, c.POINTER(Known)]),
             ("finish", c.c_int, [pointer]), ("reset", c.c_int, [pointer]), ("next", c.c_int, [pointer]),
             ("poll", c.c_int, [pointer, c.POINTER(Result), c.c_size_t]),
+            ("mask", c.c_int, [pointer, pointer, c.c_size_t, c.POINTER(MaskInfo), c.c_size_t]),
             ("result_json", c.c_int, [pointer, pointer, c.c_size_t, c.POINTER(c.c_size_t)]),
             ("avatar", c.c_int, [pointer, c.c_int32, pointer, c.c_size_t, c.POINTER(c.c_size_t)]),
             ("body_mesh", c.c_int, [pointer, pointer, c.c_size_t, c.POINTER(c.c_size_t), pointer, c.c_size_t,
@@ -145,8 +151,10 @@ def load(path: str | None = None) -> c.CDLL:
             ("dressed_avatar", c.c_int, [pointer, c.POINTER(Worn), c.c_size_t, pointer, c.c_size_t, c.POINTER(c.c_size_t)]),
             ("live_rig", c.c_int, [pointer, c.POINTER(Rig), c.c_size_t]),
             ("get_models", c.c_int, [pointer, c.POINTER(Models), c.c_size_t]),
+            ("body_residual", c.c_int, [pointer, c.POINTER(c.c_float)]), ("measurement_name", c.c_char_p, [c.c_int]),
+            ("garment_name", c.c_char_p, [c.c_size_t, c.c_char_p]),
             ("garment_count", c.c_size_t, []), ("garment_id", c.c_char_p, [c.c_size_t]), ("fit_name", c.c_char_p, [c.c_int]),
-            ("rig_node_name", c.c_char_p, [c.c_int]),
+            ("rig_node_name", c.c_char_p, [c.c_int]), ("rig_node_parent", c.c_int, [c.c_int]),
             ("attach", c.c_int, [pointer, c.c_char_p]), ("pump", c.c_int, [pointer, c.c_int32]), ("detach", c.c_int, [pointer]),
             ("select_user", c.c_int, [pointer, c.c_int32]),
             ("sizes", c.c_int, [pointer, c.POINTER(Size), c.c_size_t, c.POINTER(c.c_size_t), c.POINTER(c.c_size_t)]),
@@ -154,7 +162,7 @@ def load(path: str | None = None) -> c.CDLL:
             ("tape_count", c.c_size_t, []), ("tape_id", c.c_char_p, [c.c_size_t]), ("tape_unit", c.c_char_p, [c.c_size_t]),
             ("tape_iso", c.c_char_p, [c.c_size_t]), ("tape_name", c.c_char_p, [c.c_size_t, c.c_char_p]),
             ("joint_name", c.c_char_p, [c.c_int]), ("state_name", c.c_char_p, [c.c_int]),
-            ("guidance_name", c.c_char_p, [c.c_int])))
+            ("guidance_name", c.c_char_p, [c.c_int]), ("guidance_text", c.c_char_p, [c.c_int, c.c_char_p])))
     return lib
 
 

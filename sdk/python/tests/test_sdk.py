@@ -75,7 +75,7 @@ class Layout(unittest.TestCase):
 
     def test_enumerations_are_the_headers(self):
         text = re.sub(r"/\*.*?\*/", "", HEADER.read_text(), flags=re.S)
-        names = re.findall(r"\bIM2FIT_(\w+)", " ".join(re.findall(r"\benum \{(.*?)\}", text, re.S)))
+        names = re.findall(r"\bIM2FIT_(\w+)", " ".join(re.findall(r"\benum \w+ \{(.*?)\}", text, re.S)))
         numbers = {"OK": im2fit.Status.OK, "FORMAT_U16": _c.FORMAT_U16, "FORMAT_DEPTH16": _c.FORMAT_DEPTH16,
                    "FORMAT_F32": _c.FORMAT_F32, **{f"AVATAR_{kind.upper()}": number for kind, number in _c.AVATAR_FORMATS.items()}}
         for prefix, kind in ENUMERATIONS.items():
@@ -104,6 +104,18 @@ class Layout(unittest.TestCase):
         self.assertEqual(list(im2fit.tape_names("de")), list(im2fit.tape_names()))
         with self.assertRaisesRegex(ValueError, "'tlh': expected en"):
             im2fit.tape_names("tlh")
+
+    def test_guidance_has_the_pages_words(self):
+        folder = HERE.parents[2] / "apps/kiosk/web/lang"
+        for language in ("en", "de", "es", "fr", "zh"):
+            said = json.loads((folder / f"{language}.json").read_text(encoding="utf-8"))["say"]
+            self.assertEqual({str(code): im2fit.guidance_text(code, language) for code in im2fit.GuidanceCode},
+                             {str(code): said[str(code)] for code in im2fit.GuidanceCode}, language)
+        self.assertEqual(im2fit.guidance_text(im2fit.GuidanceCode.TOO_NEAR), "Step back")
+        with self.assertRaisesRegex(ValueError, "'it': expected en"):
+            im2fit.guidance_text(im2fit.GuidanceCode.TOO_NEAR, "it")
+        with self.assertRaisesRegex(ValueError, "no text"):
+            im2fit.guidance_text(im2fit.GuidanceCode(1 << 30))
 
     def test_settings_are_the_headers(self):
         whole = {name for name, kind in _c.Settings._fields_ if kind is ctypes.c_int32}
@@ -213,6 +225,9 @@ class Cameras(unittest.TestCase):
                         self.assertIsNotNone(session.pump())
                 if uri is not None:
                     self.assertIsNone(session.pump())
+                    session.detach()
+                    with self.assertRaisesRegex(im2fit.Error, "no source is attached"):
+                        session.pump()
                 person = session.finish()
                 self.assertTrue(person.measured, person.guidance)
                 self.assertEqual(person.tape(), {})
@@ -318,6 +333,25 @@ class Measuring(unittest.TestCase):
         if CAMERAS and RECORDING:
             recorded = im2fit.measure(RECORDING, models=models(), **FRAMES)
             self.assertEqual(recorded.measurements, person.measurements)
+
+    def test_the_mask_is_the_persons(self):
+        folder = im2fit.read_folder(GOLDEN / "clip")
+        with im2fit.Session(**vars(folder.camera), models=models(), single_thread=1, **FRAMES) as session:
+            self.assertIsNone(session.mask())
+            frames = list(folder)
+            progress = session.push(**vars(frames[1]))
+            self.assertEqual(progress.frames_wanted, FRAMES["frames_wanted"])
+            mask, user = session.mask(), session.users()[0]
+            height, width = frames[1].depth.shape[::-1]  # the clip lies on its side
+            self.assertEqual((mask.pixels.shape, mask.pixels.dtype), ((height, width), np.bool_))
+            self.assertEqual((mask.sequence, mask.time_ns, mask.user_id), (frames[1].sequence, frames[1].time_ns, user.id))
+            rows, columns = np.nonzero(mask.pixels)
+            # The box is made on a coarser picture, and the feet are found after it.
+            np.testing.assert_allclose((columns.min(), columns.max(), rows.min(), rows.max()),
+                                       (user.left, user.right, user.top, user.bottom), atol=10)
+            self.assertGreater(mask.pixels.mean(), 0.03)
+            session.reset()
+            self.assertIsNone(session.mask())
 
     def test_an_avatar_is_made_when_asked(self):
         folder = im2fit.read_folder(GOLDEN / "clip")
@@ -462,6 +496,10 @@ class Measuring(unittest.TestCase):
                 self.assertAlmostEqual(float(vertices[:, 1].min()), 0, places=3)
                 self.assertLess(abs(np.ptp(vertices[:, 1]) - person.measurements["stature"].value), 60)  # posed
                 self.assertEqual(triangles.max() + 1, len(vertices))
+                residual = session.residual()
+                self.assertEqual(set(residual), set(person.measurements))
+                tape = person.tape()["waist_girth"].value  # the mesh's
+                self.assertAlmostEqual(residual["waist_girth"], tape - person.measurements["waist_girth"].value, delta=0.2)
         self.assertEqual(texts[0], texts[1])
 
     def test_garments_and_the_rig(self):
@@ -497,6 +535,13 @@ class Measuring(unittest.TestCase):
             self.assertTrue(0.6 < root[1] < 1.2)
             np.testing.assert_allclose(np.linalg.norm(rotations, axis=1), 1, atol=1e-5)
             self.assertEqual(im2fit.rig_nodes()[0], "pelvis")
+            parents = im2fit.rig_node_parents()
+            self.assertEqual((parents[0], len(parents)), (-1, len(im2fit.rig_nodes())))
+            self.assertTrue(all(parent < node for node, parent in enumerate(parents)))
+            self.assertEqual(list(im2fit.garment_names()), im2fit.garments())
+            self.assertEqual(im2fit.garment_names("de")["trousers"], "Hose")
+            with self.assertRaisesRegex(ValueError, "'it': expected en"):
+                im2fit.garment_names("it")
 
     def test_the_pose_of_a_camera_in_the_hand(self):
         camera = _folder.read_camera(GOLDEN / "clip/camera.yaml")

@@ -3,9 +3,9 @@
 // compile and run this file with stubs of its dependencies.
 package im2fit.sample
 
-import im2fit.sdk.Frame
+import im2fit.sdk.DepthFrame
+import im2fit.sdk.FitSession
 import im2fit.sdk.Progress
-import im2fit.sdk.Session
 import im2fit.sdk.State
 import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.flow.Flow
@@ -16,12 +16,12 @@ import kotlinx.coroutines.flow.transformWhile
 
 /**
  * Pushes [frames] as they come, until the measurement. Emits the progress each time that the display for the person
- * changes: [Session.states] for a camera that is a flow. The flow is cold. When it ends, [Session.outcome] has the result.
+ * changes: [FitSession.states] for a camera that is a flow. The flow is cold. When it ends, [FitSession.outcome] has the result.
  * Frames are pushed on a thread of `Dispatchers.Default`, whichever thread collects.
  */
-fun Session.states(frames: Flow<Frame>): Flow<Progress> = flow<Progress> {
+fun FitSession.states(frames: Flow<DepthFrame>): Flow<Progress> = flow<Progress> {
     var before: Progress? = null
-    emitAll(frames.transformWhile<Frame, Progress> { frame ->
+    emitAll(frames.transformWhile<DepthFrame, Progress> { frame ->
         push(frame)
         val now = progress()
         if (now.saysMoreThan(before)) emit(now)

@@ -23,8 +23,8 @@ internal object Native {
     const val DO_SELECT_USER = 4
 
     const val BYTES_JSON = -1
-    const val RESULT_LONGS = 12
-    const val RESULT_FLOATS = 3 * 11 + 8 * 15 + 6 + 4
+    const val RESULT_LONGS = 15
+    const val RESULT_FLOATS = 3 * 11 + 8 * 15 + 6 + 4 + 1
     const val SIZES_MAX = 64
     const val PLACES_MAX = 8
     const val WORN_MAX = 4
@@ -46,6 +46,8 @@ internal object Native {
     ): Int
     @JvmStatic external fun act(handle: Long, what: Int, number: Int): Int
     @JvmStatic external fun poll(handle: Long, longs: LongArray, floats: FloatArray): Int
+    @JvmStatic external fun mask(handle: Long, pixels: ByteArray?, longs: LongArray): Int
+    @JvmStatic external fun guidanceText(bit: Int, language: ByteArray): ByteArray?
     @JvmStatic external fun sizes(
         handle: Long, names: Array<ByteArray?>, probabilities: FloatArray, counted: IntArray
     ): Int
@@ -53,6 +55,8 @@ internal object Native {
     @JvmStatic external fun tapeWords(index: Int, language: ByteArray, words: Array<ByteArray?>)
     @JvmStatic external fun tape(handle: Long, statuses: IntArray, values: FloatArray, reasons: Array<ByteArray?>): Int
     @JvmStatic external fun mesh(handle: Long, vertices: FloatArray?, triangles: IntArray?, counted: IntArray): Int
+    @JvmStatic external fun residual(handle: Long, values: FloatArray): Int
+    @JvmStatic external fun setKnown(handle: Long, facts: FloatArray, sex: Int): Int
     @JvmStatic external fun bytes(handle: Long, what: Int, made: Array<ByteArray?>): Int
     @JvmStatic external fun garmentCount(): Int
     @JvmStatic external fun garmentWords(index: Int, language: ByteArray, words: Array<ByteArray?>)

@@ -25,14 +25,17 @@ data class Size(val best: String, val probabilities: Map<String, Float>)
  * The measured person.
  *
  * @property female probability
- * @property backSeen front and back were measured
+ * @property views the sides that were measured
  * @property clothed probability of being dressed, from the frames alone; null: not estimated
  * @property clothingEaseMm expected gap of cloth and skin at the trunk; null: not estimated
  * @property joints the mean pose of the measurement
+ * @property knownUsed facts of [FitSession.setKnown] in the measurement
+ * @property knownDoubted facts that were left out, because they do not fit what was seen
  */
 data class Person(
     val measurements: Map<Measurement, Estimate>, val female: Float, val age: Estimate, val size: Size,
-    val backSeen: Boolean, val clothed: Float?, val clothingEaseMm: Float?, val joints: List<Joint>
+    val views: Views, val clothed: Float?, val clothingEaseMm: Float?, val joints: List<Joint>,
+    val knownUsed: Set<KnownFact>, val knownDoubted: Set<KnownFact>
 ) {
     operator fun get(measurement: Measurement): Estimate = measurements.getValue(measurement)
 }

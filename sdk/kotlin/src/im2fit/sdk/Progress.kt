@@ -15,7 +15,7 @@ enum class State {
     MEASURED,
     /** The person has left. */
     LOST,
-    /** [Settings.turn]: the front is measured, frames of the back are being accumulated. */
+    /** [Settings.turn]: the front is measured, frames of the back or of the turn are being accumulated. */
     TURNING
 }
 
@@ -28,7 +28,34 @@ enum class Guidance {
     /** Turn on the spot, slowly, all round. */
     TURN_ON,
     /** The same, and slower. */
-    TURN_SLOWER
+    TURN_SLOWER;
+
+    /** What to say to the person, in at most six words: "Step back". [language]: "en", "de", "es", "fr" or "zh". */
+    @JvmOverloads
+    fun text(language: String = "en"): String =
+        requireNotNull(Native.text(Native.guidanceText(ordinal, language.toByteArray()))) { "no language '$language'" }
+}
+
+/**
+ * The pixels of the person in a frame, to draw over the picture.
+ *
+ * @property pixels rows from the top of the upright picture, [width] bytes each: -1 (255) the person, 0 all else
+ * @property userId the person, as [Progress.userId]; 0: no person is in view, and the mask is empty
+ * @property sequence of the frame, as pushed; [timeNs] too
+ */
+class Mask(
+    val width: Int, val height: Int, val pixels: ByteArray, val userId: Int, val sequence: Long, val timeNs: Long
+) {
+    /** Whether the person is at a place of the upright picture. */
+    operator fun get(x: Int, y: Int): Boolean = pixels[y * width + x] != 0.toByte()
+}
+
+/** The sides behind a measurement. Order of IM2FIT_VIEWS_... */
+enum class Views {
+    /** There is no measurement. */
+    NONE, FRONT, FRONT_AND_BACK,
+    /** The front and a turn of at least 150 degrees. */
+    AROUND
 }
 
 /** The person's own arms. */
@@ -50,16 +77,21 @@ data class Joint(val name: JointName, val x: Float, val y: Float, val z: Float, 
  * @property guidance of the latest frame
  * @property armsClose the arms that [Guidance.ARMS_CLOSE] means
  * @property joints to draw, smoothed; empty without a person
+ * @property turnedDeg [Turn.AROUND], from TURNING on: the farthest that the person has turned, degrees; positive to the
+ *   person's left
+ * @property framesWanted for a progress bar: [framesUsed] of it; with [Turn.BACK] it counts for each side
  * @property userId the person of joints and guidance, from 1; 0: no person is in view
- * @property session counts the sessions begun after [Session.next], from 0
+ * @property session counts the sessions begun after [FitSession.next], from 0
  */
 data class Progress(
     val state: State, val guidance: Set<Guidance>, val armsClose: Set<Arm>, val framesSeen: Long, val framesUsed: Long,
-    val framesDropped: Long, val userId: Int, val session: Int, val joints: List<Joint>
+    val framesDropped: Long, val userId: Int, val session: Int, val joints: List<Joint>,
+    val turnedDeg: Float, val framesWanted: Long
 ) {
     /** Whether anything that the screen shows to the person has changed. */
     fun saysMoreThan(before: Progress?): Boolean = before == null || state != before.state ||
-        guidance != before.guidance || armsClose != before.armsClose || framesUsed != before.framesUsed
+        guidance != before.guidance || armsClose != before.armsClose || framesUsed != before.framesUsed ||
+        turnedDeg != before.turnedDeg
 }
 
 internal inline fun <reified T : Enum<T>> bitsOf(bits: Long): Set<T> =

@@ -12,12 +12,13 @@ internal class Result {
 
     fun progress(): Progress = Progress(
         state, bitsOf(longs[1]), bitsOf(longs[3]), longs[9], longs[10], longs[11], longs[7].toInt(), longs[8].toInt(),
-        if (longs[4] == 1L) joints(DISPLAY_JOINTS) else emptyList()
+        if (longs[4] == 1L) joints(DISPLAY_JOINTS) else emptyList(), floats[TURNED], longs[12]
     )
 
     fun person(size: Size): Person = Person(
         Measurement.values().associateTo(LinkedHashMap()) { it to estimate(3 * it.ordinal) }, floats[FEMALE], estimate(AGE),
-        size, longs[6] == FRONT_AND_BACK, known(CLOTHED), known(EASE), joints(JOINTS)
+        size, Views.values()[longs[6].toInt()], known(CLOTHED), known(EASE), joints(JOINTS),
+        bitsOf(longs[13]), bitsOf(longs[14])
     )
 
     private fun estimate(at: Int) = Estimate(floats[at], floats[at + 1], floats[at + 2])
@@ -28,12 +29,12 @@ internal class Result {
     }
 
     private companion object {
-        const val FRONT_AND_BACK = 2L
         const val AGE = 33
         const val FEMALE = AGE + 3
         const val CLOTHED = FEMALE + 1
         const val EASE = CLOTHED + 1
         const val JOINTS = EASE + 1 + 4 // after the age bands
         const val DISPLAY_JOINTS = JOINTS + 60
+        const val TURNED = DISPLAY_JOINTS + 60
     }
 }

@@ -30,7 +30,7 @@ data class Lens(
  * @property rotateDeg 0, 90, 180, 270: clockwise rotation that makes the picture upright
  * @property lens distortion that the frames still have
  */
-data class Camera @JvmOverloads constructor(
+data class CameraModel @JvmOverloads constructor(
     val width: Int, val height: Int, val fx: Float, val fy: Float, val cx: Float, val cy: Float, val rotateDeg: Int = 0,
     val lens: Lens = Lens()
 ) {
@@ -39,10 +39,10 @@ data class Camera @JvmOverloads constructor(
     }
 
     /** The pinhole camera of the upright picture. hal/rotate.cpp has the same lines. */
-    internal fun upright(): Camera = when (rotateDeg) {
-        90 -> Camera(height, width, fy, fx, height - 1 - cy, cx)
-        180 -> Camera(width, height, fx, fy, width - 1 - cx, height - 1 - cy)
-        270 -> Camera(height, width, fy, fx, cy, width - 1 - cx)
+    internal fun upright(): CameraModel = when (rotateDeg) {
+        90 -> CameraModel(height, width, fy, fx, height - 1 - cy, cx)
+        180 -> CameraModel(width, height, fx, fy, width - 1 - cx, height - 1 - cy)
+        270 -> CameraModel(height, width, fy, fx, cy, width - 1 - cx)
         else -> copy(rotateDeg = 0, lens = Lens())
     }
 }
@@ -57,21 +57,31 @@ enum class Clothing {
     DRESSED
 }
 
+/** What is measured besides the front. Order of IM2FIT_TURN_... */
+enum class Turn {
+    /** Nothing. */
+    NONE,
+    /** The back, once the person has turned it to the camera. */
+    BACK,
+    /** All round: one slow turn on the spot. Waist, hip and weight gain most. Needs [Models.body]. */
+    AROUND
+}
+
 /** How the camera senses depth. JUDGED: estimated from the frames. Order of IM2FIT_SENSOR_... */
 enum class Sensor { JUDGED, STRUCTURED_LIGHT, TIME_OF_FLIGHT }
 
 /**
  * Settings of a session. The defaults are the library's, except [live].
  *
- * @property framesWanted accepted frames until the measurement, 1..1000. With [turn]: for each side
- * @property framesMin fewest accepted frames for [Session.finish] to measure, 1..framesWanted
- * @property live true: [Session.push] drops the oldest frame when the library is behind. False: it waits
- * @property turn true: front, then back. The guidance tells the person when to turn round
+ * @property framesWanted accepted frames until the measurement, 1..1000. With [Turn.BACK]: for each side
+ * @property framesMin fewest accepted frames for [FitSession.finish] to measure, 1..framesWanted
+ * @property live true: [FitSession.push] drops the oldest frame when the library is behind. False: it waits
+ * @property turn what the person is asked to do once the front is accumulated. The guidance says when
  * @property calibrationPose true: the person raises the arms first
- * @property singleThread true: [Session.push] does all work itself
+ * @property singleThread true: [FitSession.push] does all work itself
  */
 data class Settings(
-    val framesWanted: Int = 30, val framesMin: Int = 5, val live: Boolean = true, val turn: Boolean = false,
+    val framesWanted: Int = 30, val framesMin: Int = 5, val live: Boolean = true, val turn: Turn = Turn.NONE,
     val clothing: Clothing = Clothing.ESTIMATED, val sensor: Sensor = Sensor.JUDGED,
     val calibrationPose: Boolean = false, val singleThread: Boolean = false
 )

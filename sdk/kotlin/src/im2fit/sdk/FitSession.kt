@@ -11,23 +11,23 @@ import kotlin.concurrent.write
  * milliseconds. [close] frees the session.
  *
  * Threads: any thread may call any function. Calls that change the session, [push] among them, run one after the other.
- * [progress] never waits for them, so a screen may call it while frames arrive. [close] waits until other calls have
+ * [progress] and [mask] never wait for them, so a screen may call them while frames arrive. [close] waits until other calls have
  * returned. After it every call throws IllegalStateException.
  *
  * @throws Im2fitException a model is missing, damaged or of another version, or a setting is out of range
  */
-class Session @JvmOverloads constructor(
-    private val camera: Camera, models: Models, private val settings: Settings = Settings()
+class FitSession @JvmOverloads constructor(
+    private val camera: CameraModel, models: Models, private val settings: Settings = Settings()
 ) : Closeable {
     private var handle = open(camera.upright(), models, settings)
     private val open = ReentrantReadWriteLock() // for writing: the handle goes
-    private val turn = Any()
+    private val order = Any() // calls that change the session, one after the other
     private val numbers = IntArray(5)
     private val longs = LongArray(7)
     private val floats = FloatArray(20)
 
     /** Copies one frame into the session. With [Settings.live] false it waits while the library is behind. */
-    fun push(frame: Frame) {
+    fun push(frame: DepthFrame) {
         val of = frame.camera ?: camera
         require(of.rotateDeg == camera.rotateDeg) { "rotateDeg of a frame must be that of its session" }
         frame.checkSize(of.width, of.height)
@@ -68,10 +68,27 @@ class Session @JvmOverloads constructor(
     fun progress(): Progress = result().progress()
 
     /**
+     * The person's pixels in the latest frame. Null before the first frame after the first call: the session keeps masks from
+     * then on. Waits for one copy of a mask at most.
+     */
+    fun mask(): Mask? = open.read {
+        val of = LongArray(5)
+        var status = Native.mask(alive(), null, of)
+        if (status == NOT_FOUND) return null
+        check(status)
+        val (width, height) = of.map { it.toInt() }
+        val pixels = ByteArray(width * height)
+        status = Native.mask(alive(), pixels, of)
+        if (status == NOT_FOUND) return null // another thread has reset the session
+        check(status)
+        Mask(width, height, pixels, of[2].toInt(), of[3], of[4])
+    }
+
+    /**
      * Pushes [frames] until the measurement. Yields the progress each time that the display for the person changes. Lazy:
      * frames are taken from the sequence as the result is iterated over.
      */
-    fun states(frames: Sequence<Frame>): Sequence<Progress> = sequence {
+    fun states(frames: Sequence<DepthFrame>): Sequence<Progress> = sequence {
         var before: Progress? = null
         for (frame in frames) {
             push(frame)
@@ -84,14 +101,14 @@ class Session @JvmOverloads constructor(
 
     /** Passes [states] to [onProgress], then calls [finish]. */
     @JvmOverloads
-    fun measure(frames: Sequence<Frame>, onProgress: (Progress) -> Unit = {}): Outcome {
+    fun measure(frames: Sequence<DepthFrame>, onProgress: (Progress) -> Unit = {}): Outcome {
         states(frames).forEach(onProgress)
         return finish()
     }
 
     /** Waits until every frame pushed is processed. Returns false after [timeoutMs]; negative: no limit. */
     fun await(timeoutMs: Int = -1): Boolean {
-        val status = turn { Native.act(it, Native.DO_WAIT, timeoutMs) }
+        val status = inOrder { Native.act(it, Native.DO_WAIT, timeoutMs) }
         if (status == TIMEOUT) return false
         check(status)
         return true
@@ -119,6 +136,16 @@ class Session @JvmOverloads constructor(
     /** From now on measures only the person with this [Progress.userId]. 0: the first person with empty guidance. */
     fun selectUser(userId: Int) = change { Native.act(it, Native.DO_SELECT_USER, userId) }
 
+    /**
+     * Sets what the person of this session reports, before, during or after the frames: [outcome] then has the changed answer. A
+     * second call replaces the first. [Person.knownDoubted] names what does not fit the frames and was not used: ask again.
+     */
+    fun setKnown(known: Known) = change {
+        Native.setKnown(it, floatArrayOf(
+            known.statureMm, known.statureSdMm, known.weightKg, known.weightSdKg, known.ageYears, known.ageSdYears
+        ), known.sex.ordinal)
+    }
+
     /** result.json (docs/result.md), whether measured or not. */
     fun json(): String = String(bytes(Native.BYTES_JSON), Charsets.UTF_8)
 
@@ -126,12 +153,19 @@ class Session @JvmOverloads constructor(
     fun avatar(format: Avatar): ByteArray = bytes(format.ordinal)
 
     /** The person as a mesh in the measured pose. */
-    fun mesh(): Mesh = turn { handle ->
+    fun mesh(): Mesh = inOrder { handle ->
         val counted = IntArray(2)
         check(Native.mesh(handle, null, null, counted))
         val mesh = Mesh(FloatArray(3 * counted[0]), IntArray(3 * counted[1]))
         check(Native.mesh(handle, mesh.vertices, mesh.triangles, counted))
         mesh
+    }
+
+    /** By how much the measurements of [mesh] differ from the person's: mm, weight in kg. Below 1 mm where a body has them all. */
+    fun residual(): Map<Measurement, Float> {
+        val values = FloatArray(Measurement.values().size)
+        change { Native.residual(it, values) }
+        return Measurement.values().associate { it to values[it.ordinal] }
     }
 
     /** All measurements of the tape, by id, in the order of [tapeDefinitions]. */
@@ -188,17 +222,17 @@ class Session @JvmOverloads constructor(
      * The pose of the avatar in the latest frame; null when no person is followed in it. It moves after [next], as frames are
      * processed again, until the next session begins.
      */
-    fun rig(): Rig? = turn { handle ->
+    fun rig(): Rig? = inOrder { handle ->
         val floats = FloatArray(3 + 4 * Rig.NODE_COUNT)
         val numbers = IntArray(2)
         val status = Native.rig(handle, floats, numbers)
-        if (status == NOT_FOUND) return@turn null
+        if (status == NOT_FOUND) return@inOrder null
         check(status)
         Rig(floats.copyOf(3), floats.copyOfRange(3, floats.size), numbers[0], bitsOf(numbers[1].toLong()))
     }
 
     /** A description of the models that the session was opened with. */
-    fun modelInfo(): ModelInfo = turn { handle ->
+    fun modelInfo(): ModelInfo = inOrder { handle ->
         val n = LongArray(8)
         val texts = arrayOfNulls<ByteArray>(1)
         check(Native.models(handle, n, texts))
@@ -233,9 +267,9 @@ class Session @JvmOverloads constructor(
     }
 
     private fun alive(): Long = handle.also { check(it != 0L) { "the session is closed" } }
-    private inline fun <T> turn(what: (Long) -> T): T = open.read { synchronized(turn) { what(alive()) } }
+    private inline fun <T> inOrder(what: (Long) -> T): T = open.read { synchronized(order) { what(alive()) } }
     // The text of an error is that of the latest call: read it before another thread calls.
-    private inline fun change(what: (Long) -> Int) = turn { check(what(it)) }
+    private inline fun change(what: (Long) -> Int) = inOrder { check(what(it)) }
     private fun check(status: Int) {
         if (status == Native.OK) return
         val text = Native.text(Native.lastError(handle)).orEmpty()
@@ -247,14 +281,14 @@ class Session @JvmOverloads constructor(
         const val NOT_FOUND = -2
         const val TIMEOUT = -7
 
-        fun open(camera: Camera, models: Models, settings: Settings): Long {
+        fun open(camera: CameraModel, models: Models, settings: Settings): Long {
             val files = listOf(models.tracker, models.index, models.body)
             val paths = files.map { (it as? ModelFile.Path)?.file?.path?.toByteArray() } + listOf(null, null)
             val contents = files.map { (it as? ModelFile.Bytes)?.bytes }
             val parts = files.map { it as? ModelFile.Descriptor }
             val numbers = intArrayOf(
                 camera.width, camera.height, settings.framesWanted, settings.framesMin, settings.calibrationPose.toInt(),
-                settings.live.toInt(), settings.singleThread.toInt(), settings.turn.toInt(), settings.clothing.ordinal,
+                settings.live.toInt(), settings.singleThread.toInt(), settings.turn.ordinal, settings.clothing.ordinal,
                 settings.sensor.ordinal, 0
             )
             val opened = LongArray(1)

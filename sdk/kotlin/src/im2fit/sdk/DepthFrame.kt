@@ -6,7 +6,7 @@ import java.nio.ByteOrder
 
 /** How samples are stored. Order of IM2FIT_FORMAT_... */
 enum class DepthFormat(internal val sampleBytes: Int) {
-    /** 16-bit integers in units of [Frame.unitMm]; 0: no data. */
+    /** 16-bit integers in units of [DepthFrame.unitMm]; 0: no data. */
     U16(2),
     /** Android's `ImageFormat.DEPTH16`: 13 low bits are millimetres, 3 high bits confidence. */
     DEPTH16(2),
@@ -21,7 +21,7 @@ data class Direction(val x: Float, val y: Float, val z: Float) {
          * Down, from Android's gravity sensor (`Sensor.TYPE_GRAVITY`), for a camera on the back of the device.
          *
          * @param values of the `SensorEvent`, which point up: x to the right of the screen, y to its top, z out of it
-         * @param rotateDeg [Camera.rotateDeg]: `SENSOR_ORIENTATION` of the camera
+         * @param rotateDeg [CameraModel.rotateDeg]: `SENSOR_ORIENTATION` of the camera
          */
         @JvmStatic
         fun ofAndroidGravity(values: FloatArray, rotateDeg: Int): Direction {
@@ -43,25 +43,25 @@ data class Direction(val x: Float, val y: Float, val z: Float) {
  *
  * @property xMm millimetres. 0 0 0: only the rotation is known, and the camera is assumed to turn about itself
  */
-data class Pose(
+data class CameraPose(
     val x: Float, val y: Float, val z: Float, val w: Float, val xMm: Float = 0f, val yMm: Float = 0f, val zMm: Float = 0f
 ) {
     companion object {
         /**
-         * @param rotation of `Camera.getPose().getRotationQuaternion()`: x, y, z, w, of axes with y up and z backwards. That of
-         *   the physical camera, whose axes are the delivered picture's, not `getDisplayOrientedPose()`
+         * @param rotation of `Frame.getCamera().getPose().getRotationQuaternion()`: x, y, z, w, of axes with y up and z
+         *   backwards. That of the physical camera, whose axes are the delivered picture's, not `getDisplayOrientedPose()`
          * @param translation of `getTranslation()`, metres
          */
         @JvmStatic
-        fun ofArCore(rotation: FloatArray, translation: FloatArray): Pose {
+        fun ofArCore(rotation: FloatArray, translation: FloatArray): CameraPose {
             val (x, y, z, w) = rotation
-            return Pose(w, z, -y, -x, 1000 * translation[0], 1000 * translation[1], 1000 * translation[2])
+            return CameraPose(w, z, -y, -x, 1000 * translation[0], 1000 * translation[1], 1000 * translation[2])
         }
     }
 }
 
 /**
- * One depth frame as the camera delivers it. [Session.push] copies it, nothing before.
+ * One depth frame as the camera delivers it. [FitSession.push] copies it, nothing before.
  *
  * @property pixels a direct buffer of the machine's byte order, from its position on. Rows from the top
  * @property rowBytes from row to row; 0: no padding (`Image.Plane.getRowStride()`)
@@ -71,15 +71,15 @@ data class Pose(
  * @property confidenceMin 0: use all samples. DEPTH16: sevenths of full confidence, 0..7. Others: of [confidence], 0..255
  * @property camera the intrinsics of this frame, when focus or calibration changes; null: the session's
  * @property unitMm millimetres of a unit, U16 only
- * @property down the direction of gravity; null: unknown, and the latest known one holds until [Session.reset]. It defines
+ * @property down the direction of gravity; null: unknown, and the latest known one holds until [FitSession.reset]. It defines
  *   upright where no floor is visible
  * @property pose the pose of a camera in the hand; null: unknown, and the frame is used as it is
  */
-class Frame(
+class DepthFrame(
     val pixels: ByteBuffer, val format: DepthFormat, val rowBytes: Int = 0, val timeNs: Long = 0, val sequence: Long = 0,
     val confidence: ByteBuffer? = null, val confidenceRowBytes: Int = 0, val confidenceMin: Int = 0,
-    val camera: Camera? = null, val unitMm: Float = 1f, val down: Direction? = null,
-    val pose: Pose? = null
+    val camera: CameraModel? = null, val unitMm: Float = 1f, val down: Direction? = null,
+    val pose: CameraPose? = null
 ) {
     init {
         require(pixels.isDirect) { "pixels must be a direct buffer (ByteBuffer.allocateDirect, or a plane of an Image)" }
@@ -104,19 +104,19 @@ class Frame(
         /** A frame of millimetres from an array, by copying it. For the frames of a camera reuse one direct buffer instead. */
         @JvmStatic
         @JvmOverloads
-        fun ofMillimetres(depth: ShortArray, timeNs: Long = 0, sequence: Long = 0): Frame {
+        fun ofMillimetres(depth: ShortArray, timeNs: Long = 0, sequence: Long = 0): DepthFrame {
             val buffer = ByteBuffer.allocateDirect(2 * depth.size).order(ByteOrder.nativeOrder())
             buffer.asShortBuffer().put(depth)
-            return Frame(buffer, DepthFormat.U16, timeNs = timeNs, sequence = sequence)
+            return DepthFrame(buffer, DepthFormat.U16, timeNs = timeNs, sequence = sequence)
         }
 
         /** A frame of metres from an array, by copying it. */
         @JvmStatic
         @JvmOverloads
-        fun ofMetres(depth: FloatArray, timeNs: Long = 0, sequence: Long = 0): Frame {
+        fun ofMetres(depth: FloatArray, timeNs: Long = 0, sequence: Long = 0): DepthFrame {
             val buffer = ByteBuffer.allocateDirect(4 * depth.size).order(ByteOrder.nativeOrder())
             buffer.asFloatBuffer().put(depth)
-            return Frame(buffer, DepthFormat.F32, timeNs = timeNs, sequence = sequence)
+            return DepthFrame(buffer, DepthFormat.F32, timeNs = timeNs, sequence = sequence)
         }
     }
 }

@@ -23,7 +23,7 @@ public struct Lens: Equatable {
 }
 
 /// The depth camera, in pixels of the upright picture. The centre of pixel 0 is 0.
-public struct Camera {
+public struct CameraModel {
     public var width, height: Int32
     public var fx, fy, cx, cy: Float
     public init(width: Int32, height: Int32, fx: Float, fy: Float, cx: Float, cy: Float) {
@@ -32,15 +32,81 @@ public struct Camera {
 }
 
 /// The progress after the latest frame processed. Names are those of im2fit.h: "TRACKING", "ARMS_CLOSE".
-public struct Progress: Equatable {
+public struct FitProgress: Equatable {
     public let state: String
     public let guidance: [String]
+    public let view: String          // the side of the person that faces the camera: "front", "back", "side", "unknown"
+    public let userId: Int32         // the person of the guidance; 0: no person is in view
     public let framesUsed: UInt64
+    public let framesWanted: Int32   // for a progress bar: framesUsed of it; with Turn.back it counts for each side
+    public let turnedDeg: Float      // Turn.around: the farthest that the person has turned; positive to their left
+}
+
+/// The pixels of the person in a frame: rows from the top of the upright picture, 255 the person, 0 all else.
+public struct Mask: Equatable {
+    public let width, height: Int
+    public let pixels: [UInt8]
+    public let userId: Int32     // 0: no person is in view, and the mask is empty
+    public let sequence: UInt64  // of the frame
+    public let timeNs: Int64
+}
+
+/// What to say for a code of the guidance ("TOO_NEAR"), in at most six words; nil for another code or language. `language`:
+/// "en", "de", "es", "fr" or "zh".
+public func guidanceText(_ code: String, language: String = "en") -> String? {
+    (0..<Int32(IM2FIT_GUIDANCE_COUNT)).first { im2fit_guidance_name($0).map { String(cString: $0) } == code }
+        .flatMap { im2fit_guidance_text($0, language) }.map { String(cString: $0) }
+}
+
+/// What is measured besides the front. Numbers of IM2FIT_TURN_...
+public enum Turn: Int32 {
+    case none = 0    // nothing
+    case back = 1    // the back, once the person has turned it to the camera
+    case around = 2  // all round: one slow turn on the spot; needs a body
+}
+
+/// What the person wears. Numbers of IM2FIT_CLOTHING_...
+public enum Clothing: Int32 {
+    case estimated = 0  // from the frames, given a body
+    case bare = 1       // underwear or close-fitting sportswear
+    case dressed = 2    // the body underneath is measured, with wider intervals
+}
+
+/// How the camera senses depth. Numbers of IM2FIT_SENSOR_...
+public enum DepthSensor: Int32 {
+    case judged = 0     // from the frames
+    case structuredLight = 1
+    case timeOfFlight = 2
+}
+
+/// Settings of a session. The defaults are the library's, except `live`.
+public struct FitSettings: Equatable {
+    public var framesWanted: Int32 = 30  // accepted frames until the measurement, 1..1000; with Turn.back for each side
+    public var framesMin: Int32 = 5      // fewest accepted frames for `finish()` to measure
+    public var live = true               // true: the oldest frame is dropped when the library is behind; false: `push` waits
+    public var turn = Turn.none          // what the person is asked to do once the front is accumulated
+    public var clothing = Clothing.estimated
+    public var sensor = DepthSensor.judged
+    public var calibrationPose = false   // true: the person raises the arms first
+    public init() {}
+}
+
+/// Focal lengths and principal point of one frame, in pixels of the frame as delivered; the centre of pixel 0 is 0.
+public struct Intrinsics: Equatable {
+    public var fx, fy, cx, cy: Float
+    public init(fx: Float, fy: Float, cx: Float, cy: Float) {
+        (self.fx, self.fy, self.cx, self.cy) = (fx, fy, cx, cy)
+    }
+    /// Of a smaller picture of the same view: ARKit's are of the colour picture, its depth has another width.
+    public func scaled(fromWidth: Int, toWidth: Int) -> Intrinsics {
+        let scale = Float(toWidth) / Float(fromWidth)
+        return Intrinsics(fx: fx * scale, fy: fy * scale, cx: (cx + 0.5) * scale - 0.5, cy: (cy + 0.5) * scale - 0.5)
+    }
 }
 
 /// The pose of a camera in the hand: the unit quaternion from the axes of the frame as delivered (x right, y down, z forward)
 /// to axes at rest, and the position of the camera in those, mm.
-public struct Pose: Equatable {
+public struct CameraPose: Equatable {
     public var x, y, z, w: Float
     public var placeMm: SIMD3<Float>
     public init(x: Float, y: Float, z: Float, w: Float, placeMm: SIMD3<Float> = .zero) {
@@ -93,16 +159,17 @@ public enum Outcome {
 }
 
 /// One person before one depth camera. One thread at a time may use a session. Exception: any thread may call `progress()`
-/// while the session exists.
-public final class Session {
-    private let handle: OpaquePointer
+/// and `mask()` while the session exists.
+public final class FitSession {
+    let handle: OpaquePointer
 
     /// Without `body` (nil) the JSON lacks the body, and there is no avatar.
-    public init(camera: Camera, tracker: URL, index: URL, body: URL? = nil) throws {
+    public init(camera: CameraModel, tracker: URL, index: URL, body: URL? = nil,
+                settings wanted: FitSettings = FitSettings()) throws {
         var opened: OpaquePointer?
         let status: Int32 = tracker.path.withCString { tracker in
             index.path.withCString { index in
-                Session.withOptional(body?.path) { body in
+                FitSession.withOptional(body?.path) { body in
                     var settings = im2fit_settings()
                     im2fit_settings_init(&settings, MemoryLayout<im2fit_settings>.size)
                     settings.tracker_path = tracker
@@ -111,7 +178,13 @@ public final class Session {
                     settings.width = camera.width
                     settings.height = camera.height
                     (settings.fx, settings.fy, settings.cx, settings.cy) = (camera.fx, camera.fy, camera.cx, camera.cy)
-                    settings.live = 1
+                    settings.frames_wanted = wanted.framesWanted
+                    settings.frames_min = wanted.framesMin
+                    settings.live = wanted.live ? 1 : 0
+                    settings.turn = wanted.turn.rawValue
+                    settings.clothing = wanted.clothing.rawValue
+                    settings.sensor = wanted.sensor.rawValue
+                    settings.calibration_psi = wanted.calibrationPose ? 1 : 0
                     return im2fit_open(&settings, &opened)
                 }
             }
@@ -127,14 +200,16 @@ public final class Session {
     /// Processes one frame. `metres`: depth as ARKit and AVFoundation deliver it, 32-bit metres, NaN or 0: no data.
     /// `rotateDeg`: clockwise rotation that makes it upright. `down`: the direction of gravity in the axes of this picture
     /// (x right, y down, z forward); zero: unknown. `lens`: the distortion that the picture still has. `pose`: of a camera in
-    /// the hand.
+    /// the hand. `confidence`: a byte a sample; samples below `confidenceMin` hold no data (ARKit's `confidenceMap` has 0, 1, 2).
+    /// `intrinsics`: of this frame, as they change with focus; nil: those of the session.
     public func push(metres: UnsafePointer<Float>, width: Int32, height: Int32, rowBytes: Int = 0, rotateDeg: Int32 = 0,
                      timeNs: Int64 = 0, sequence: UInt64 = 0, down: SIMD3<Float> = .zero, lens: Lens = Lens(),
-                     pose: Pose? = nil) throws {
+                     pose: CameraPose? = nil, confidence: UnsafePointer<UInt8>? = nil, confidenceRowBytes: Int = 0,
+                     confidenceMin: Int32 = 0, intrinsics: Intrinsics? = nil) throws {
         var frame = im2fit_frame()
         im2fit_frame_init(&frame, MemoryLayout<im2fit_frame>.size)
         frame.pixels = UnsafeRawPointer(metres)
-        frame.format = Int32(IM2FIT_FORMAT_F32)
+        frame.format = Int32(IM2FIT_FORMAT_F32.rawValue)
         frame.width = width
         frame.height = height
         frame.rotate_deg = rotateDeg
@@ -143,6 +218,10 @@ public final class Session {
         frame.sequence = sequence
         (frame.down_x, frame.down_y, frame.down_z) = (down.x, down.y, down.z)
         (frame.k1, frame.k2, frame.k3, frame.p1, frame.p2) = (lens.k1, lens.k2, lens.k3, lens.p1, lens.p2)
+        frame.confidence = confidence
+        frame.confidence_row_bytes = confidenceRowBytes
+        frame.confidence_min = confidenceMin
+        if let k = intrinsics { (frame.fx, frame.fy, frame.cx, frame.cy) = (k.fx, k.fy, k.cx, k.cy) }
         if let pose = pose {
             (frame.turn_x, frame.turn_y, frame.turn_z, frame.turn_w) = (pose.x, pose.y, pose.z, pose.w)
             (frame.x_mm, frame.y_mm, frame.z_mm) = (pose.placeMm.x, pose.placeMm.y, pose.placeMm.z)
@@ -150,10 +229,25 @@ public final class Session {
         try check(im2fit_push_frame(handle, &frame))
     }
 
-    public func progress() throws -> Progress {
+    public func progress() throws -> FitProgress {
         let result = try poll()
-        return Progress(state: Session.text(im2fit_state_name(result.state)), guidance: Session.codes(result.guidance),
-                        framesUsed: result.frames_used)
+        return FitProgress(state: FitSession.text(im2fit_state_name(result.state)),
+                           guidance: FitSession.codes(result.guidance), view: FitSession.text(im2fit_view_name(result.view)),
+                           userId: result.user_id, framesUsed: result.frames_used, framesWanted: result.frames_wanted,
+                           turnedDeg: result.turned_deg)
+    }
+
+    /// The person's pixels in the latest frame; nil before the first frame after the first call. Any thread.
+    public func mask() throws -> Mask? {
+        var info = im2fit_mask_info()
+        let infoSize = MemoryLayout<im2fit_mask_info>.size
+        let status = im2fit_mask(handle, nil, 0, &info, infoSize)
+        if status == Int32(IM2FIT_ERROR_NOT_FOUND.rawValue) { return nil }
+        try check(status)
+        var pixels = [UInt8](repeating: 0, count: Int(info.width) * Int(info.height))
+        try check(im2fit_mask(handle, &pixels, pixels.count, &info, infoSize))
+        return Mask(width: Int(info.width), height: Int(info.height), pixels: pixels, userId: info.user_id,
+                    sequence: info.sequence, timeNs: info.time_ns)
     }
 
     /// Ends the stream and measures with the accepted frames.
@@ -161,13 +255,13 @@ public final class Session {
         try check(im2fit_finish(handle))
         var result = try poll()
         guard result.measured == 1 else {
-            return .notMeasured(state: Session.text(im2fit_state_name(result.state)),
-                                guidance: Session.codes(result.guidance_seen))
+            return .notMeasured(state: FitSession.text(im2fit_state_name(result.state)),
+                                guidance: FitSession.codes(result.guidance_seen))
         }
         let values = withUnsafeBytes(of: &result.measurements) { Array($0.bindMemory(to: im2fit_estimate.self)) }
         var measured: [String: Estimate] = [:]
         for (id, e) in values.enumerated() {
-            measured[Session.text(im2fit_measurement_name(Int32(id)))] = Estimate(value: e.value, low: e.low, high: e.high)
+            measured[FitSession.text(im2fit_measurement_name(Int32(id)))] = Estimate(value: e.value, low: e.low, high: e.high)
         }
         return .measured(measured)
     }
@@ -180,7 +274,7 @@ public final class Session {
 
     /// The person as the bytes of a .glb. Needs a measurement and a body.
     public func avatar() throws -> Data {
-        Data(try bytes { im2fit_avatar(self.handle, Int32(IM2FIT_AVATAR_GLB), $0, $1, $2) })
+        Data(try bytes { im2fit_avatar(self.handle, Int32(IM2FIT_AVATAR_GLB.rawValue), $0, $1, $2) })
     }
 
     /// The person as .glb in clothes of the best sizes. `garments`: ids ("t_shirt"), innermost first; empty: trousers and a
@@ -198,16 +292,16 @@ public final class Session {
         var count = 0
         var best = 0
         let status = im2fit_garment_fit(handle, garment, nil, stride, 0, &count, nil)
-        if status != Int32(IM2FIT_ERROR_TOO_SMALL) { try check(status) }
+        if status != Int32(IM2FIT_ERROR_TOO_SMALL.rawValue) { try check(status) }
         var fits = [im2fit_size_fit](repeating: im2fit_size_fit(), count: count)
         try check(im2fit_garment_fit(handle, garment, &fits, stride, count, &count, &best))
         return (fits.map { fit in
             let name = withUnsafeBytes(of: fit.name) { String(decoding: $0.prefix { $0 != 0 }, as: UTF8.self) }
             let places = withUnsafeBytes(of: fit.regions) {
                 $0.bindMemory(to: im2fit_region_fit.self).prefix(Int(fit.region_count)).map { place in
-                    PlaceFit(place: Session.text(place.name),
+                    PlaceFit(place: FitSession.text(place.name),
                              easeMm: Estimate(value: place.ease_mm, low: place.low_mm, high: place.high_mm),
-                             verdict: Session.text(im2fit_fit_name(place.verdict)))
+                             verdict: FitSession.text(im2fit_fit_name(place.verdict)))
                 }
             }
             return SizeFit(size: name, places: places)
@@ -219,7 +313,7 @@ public final class Session {
     public func rig() throws -> Rig? {
         var rig = im2fit_rig()
         let status = im2fit_live_rig(handle, &rig, MemoryLayout<im2fit_rig>.size)
-        if status == Int32(IM2FIT_ERROR_NOT_FOUND) { return nil }
+        if status == Int32(IM2FIT_ERROR_NOT_FOUND.rawValue) { return nil }
         try check(status)
         let numbers = withUnsafeBytes(of: rig.rotations) { Array($0.bindMemory(to: Float.self)) }
         return Rig(root: SIMD3(rig.root_m.0, rig.root_m.1, rig.root_m.2), rotations: (0..<Int(IM2FIT_RIG_NODE_COUNT)).map {
@@ -231,7 +325,7 @@ public final class Session {
     public func modelInfo() throws -> ModelInfo {
         var models = im2fit_models()
         try check(im2fit_get_models(handle, &models, MemoryLayout<im2fit_models>.size))
-        return ModelInfo(madeBy: Session.text(models.made_by), people: models.people, captures: models.captures,
+        return ModelInfo(madeBy: FitSession.text(models.made_by), people: models.people, captures: models.captures,
                          trackerKey: models.tracker_key, hasBody: models.has_body != 0,
                          answersShape: models.answers_shape != 0, answersTurned: models.answers_turned != 0,
                          answersClothed: models.answers_clothed != 0, siteCorrected: models.site_corrected != 0)
@@ -243,29 +337,29 @@ public final class Session {
     private func bytes(_ call: (UnsafeMutableRawPointer?, Int, UnsafeMutablePointer<Int>) -> Int32) throws -> [UInt8] {
         var size = 0
         let status = call(nil, 0, &size)
-        if status != Int32(IM2FIT_ERROR_TOO_SMALL) { try check(status) }
+        if status != Int32(IM2FIT_ERROR_TOO_SMALL.rawValue) { try check(status) }
         var buffer = [UInt8](repeating: 0, count: size + 1)
         try check(buffer.withUnsafeMutableBytes { call($0.baseAddress, $0.count, &size) })
         return Array(buffer.prefix(size))
     }
 
-    private func poll() throws -> im2fit_result {
+    func poll() throws -> im2fit_result {
         var result = im2fit_result()
         try check(im2fit_poll(handle, &result, MemoryLayout<im2fit_result>.size))
         return result
     }
 
-    private func check(_ status: Int32) throws {
+    func check(_ status: Int32) throws {
         guard status != 0 else { return }
-        let own = Session.text(im2fit_last_error(handle))
-        throw Im2fitError(status: status, description: own.isEmpty ? Session.text(im2fit_last_error(nil)) : own)
+        let own = FitSession.text(im2fit_last_error(handle))
+        throw Im2fitError(status: status, description: own.isEmpty ? FitSession.text(im2fit_last_error(nil)) : own)
     }
 
     private static func codes(_ bits: UInt32) -> [String] {
         (0..<Int32(IM2FIT_GUIDANCE_COUNT)).filter { bits >> UInt32($0) & 1 == 1 }.map { text(im2fit_guidance_name($0)) }
     }
 
-    private static func text(_ name: UnsafePointer<CChar>?) -> String { name.map { String(cString: $0) } ?? "" }
+    static func text(_ name: UnsafePointer<CChar>?) -> String { name.map { String(cString: $0) } ?? "" }
 
     private static func withOptional<T>(_ text: String?, _ body: (UnsafePointer<CChar>?) -> T) -> T {
         text.map { $0.withCString { body($0) } } ?? body(nil)
