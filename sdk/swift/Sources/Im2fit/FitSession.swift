@@ -63,6 +63,7 @@ public enum Turn: Int32 {
     case none = 0    // nothing
     case back = 1    // the back, once the person has turned it to the camera
     case around = 2  // all round: one slow turn on the spot; needs a body
+    case walk = 3    // the same, of a person who stands still, with a phone that is carried round; needs poses
 }
 
 /// What the person wears. Numbers of IM2FIT_CLOTHING_...

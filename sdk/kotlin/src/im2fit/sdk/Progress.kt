@@ -28,7 +28,9 @@ enum class Guidance {
     /** Turn on the spot, slowly, all round. */
     TURN_ON,
     /** The same, and slower. */
-    TURN_SLOWER;
+    TURN_SLOWER,
+    /** To who holds the phone: walk on round the person. */
+    WALK_ROUND;
 
     /** What to say to the person, in at most six words: "Step back". [language]: "en", "de", "es", "fr" or "zh". */
     @JvmOverloads

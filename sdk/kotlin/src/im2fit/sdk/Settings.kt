@@ -64,7 +64,9 @@ enum class Turn {
     /** The back, once the person has turned it to the camera. */
     BACK,
     /** All round: one slow turn on the spot. Waist, hip and weight gain most. Needs [Models.body]. */
-    AROUND
+    AROUND,
+    /** The same, but the person stands still and the phone is carried round. Each [DepthFrame] has its pose. */
+    WALK
 }
 
 /** How the camera senses depth. JUDGED: estimated from the frames. Order of IM2FIT_SENSOR_... */
