@@ -262,6 +262,7 @@ class Session:
         self._size, self._rotate_deg, self._number = (height, width), rotate_deg, 0
         self._intrinsics, self._lens = (fx, fy, cx, cy), lens_of(distortion)
         self._options: _c.CamerasOptions | None = None
+        self._attached = False  # a source of libim2fit-cameras, which then has the reasons of failures
         self._has_body = bool(models.body)
         self._answer = 0  # counts up when the session goes on to another person or other facts: an avatar is then another's
         self._check(_lib().im2fit_open(ctypes.byref(s), ctypes.byref(self._handle)))
@@ -301,12 +302,14 @@ class Session:
         if status == Status.OK:
             self._options = options  # im2fit_attach reads them: they live as long as the handle
             status = _lib().im2fit_attach(handle, os.fsencode(uri))
+        self._attached = status == Status.OK
         if status != Status.OK:
             raise Error(status, cameras.im2fit_cameras_error().decode(errors="replace"))
 
     def detach(self) -> None:
         """Closes the attached source, if any. close() does that too."""
         self._check(_lib().im2fit_detach(self._open_handle()))
+        self._attached = False
 
     def pump(self, timeout_ms: int = 1000) -> Guidance | None:
         """Takes one frame from the attached source, if one comes within `timeout_ms`. Skips a damaged frame. Returns the
@@ -316,7 +319,7 @@ class Session:
         if status == Status.END_OF_STREAM:
             return None
         if status not in (Status.OK, Status.TIMEOUT, Status.CORRUPT):
-            reason = _cameras().im2fit_cameras_error() if self._options is not None else b""
+            reason = _cameras().im2fit_cameras_error() if self._attached else b""
             raise Error(status, (reason or _lib().im2fit_last_error(self._handle)).decode(errors="replace"))
         if status == Status.CORRUPT and _lib().im2fit_wait(self._handle, timeout_ms) == Status.CORRUPT:
             self._check(Status.CORRUPT)  # the index is damaged, not the frame: every further call would return CORRUPT
