@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "body/shape_space.h"
 
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <string_view>
 
 #include "body/model_data.h"
@@ -95,12 +98,24 @@ Result<Sections> read_sections(const ContainerReader& reader, const std::string&
   return s;
 }
 
+// As reserve(), of values that will be appended. The system makes the pages of a large array in one go where it can,
+// at a tenth of the cost of a fault for each.
+void make_room(std::vector<float>& values, std::size_t count) {
+  values.reserve(count);
+#ifdef MADV_POPULATE_WRITE
+  constexpr std::uintptr_t kPage = 4096;  // of larger pages the call fails, and faults make them
+  const auto begin = (reinterpret_cast<std::uintptr_t>(values.data()) + kPage - 1) / kPage * kPage;
+  const auto end = reinterpret_cast<std::uintptr_t>(values.data() + count) / kPage * kPage;
+  if (begin < end) (void)::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_POPULATE_WRITE);
+#endif
+}
+
 ShapeSpace empty_space(std::size_t points, std::size_t shapes) {
   ShapeSpace space;
   space.point_count = points;
   space.shape_count = shapes;
   space.point_mean.resize(points * kPointValues);
-  space.point_basis.resize(points * kPointValues * shapes);
+  make_room(space.point_basis, points * kPointValues * shapes);
   space.bone_mean.resize(kBoneValues);
   space.bone_basis.resize(kBoneValues * shapes);
   return space;
@@ -116,22 +131,74 @@ bool whole(const ShapeSpace& s) {
          finite(s.bone_mean, kBoneValues) && finite(s.bone_basis, kBoneValues * s.shape_count);
 }
 
-// The file has plane after plane, the basis the planes of a value side by side: a few points of all planes at a time,
-// so that what is written stays in the first cache.
-void read_points(const Sections& sections, ShapeSpace& space) {
-  constexpr std::size_t kPointsAtATime = 16;
-  const std::size_t point_values = space.point_count * kPointValues;
-  for (std::size_t begin = 0; begin < space.point_count; begin += kPointsAtATime) {
-    const std::size_t count = std::min(kPointsAtATime, space.point_count - begin);
-    for (std::size_t p = 0; p <= space.shape_count; ++p) {
-      const Plane plane(p, space.shape_count);
-      const PlaneScale& scale = sections.scales[p];
-      const std::int16_t* step = sections.points.data() + p * point_values + begin * kPointValues;
-      float* out = points_of(space, plane).data() + plane(begin * kPointValues);
-      for (std::size_t point = 0; point < count; ++point)
-        for (std::size_t v = 0; v < kPointValues; ++v, out += plane.stride)
-          *out = static_cast<float>(*step++) * scale_of(scale, v);
+using Steps = std::int16_t __attribute__((vector_size(16)));
+using Whole = std::int32_t __attribute__((vector_size(16)));
+using Real = float __attribute__((vector_size(16)));
+constexpr std::size_t kTile = 8;  // values and planes that are turned together
+
+// Little-endian: a step and what its sign makes of the upper half.
+template <bool kUpper>
+Whole interleaved(Steps a, Steps b) {
+  return reinterpret_cast<Whole>(kUpper ? __builtin_shufflevector(a, b, 4, 12, 5, 13, 6, 14, 7, 15)
+                                        : __builtin_shufflevector(a, b, 0, 8, 1, 9, 2, 10, 3, 11));
+}
+
+// Rows become columns: three rounds of a perfect shuffle.
+void turn(std::array<Steps, kTile>& rows) {
+  for (int round = 0; round < 3; ++round) {
+    const std::array<Steps, kTile> before = rows;
+    for (std::size_t i = 0; i < kTile / 2; ++i) {
+      rows[2 * i] = reinterpret_cast<Steps>(interleaved<false>(before[i], before[i + kTile / 2]));
+      rows[2 * i + 1] = reinterpret_cast<Steps>(interleaved<true>(before[i], before[i + kTile / 2]));
     }
+  }
+}
+
+void put_scaled(Whole steps, const float* scale, float* out) {
+  Real scales;
+  std::memcpy(&scales, scale, sizeof scales);
+  scales *= __builtin_convertvector(steps, Real);
+  std::memcpy(out, &scales, sizeof scales);
+}
+
+// The file has plane after plane, the basis the planes of a value side by side. They are appended: zeros written
+// first would cost as much.
+void read_points(const Sections& sections, ShapeSpace& space) {
+  const std::size_t point_values = space.point_count * kPointValues, shapes = space.shape_count;
+  std::array<std::array<float, kShapeMax>, 2> scales{};  // of middles, of diagonals
+  for (std::size_t shape = 0; shape < shapes; ++shape)
+    for (std::size_t kind = 0; kind < scales.size(); ++kind)
+      scales[kind][shape] = scale_of(sections.scales[1 + shape], 3 * kind);
+  const auto scale_at = [&](std::size_t value) { return scales[value % kPointValues < 3 ? 0 : 1].data(); };
+  const std::int16_t* const basis = sections.points.data() + point_values;
+  for (std::size_t i = 0; i < point_values; ++i)
+    space.point_mean[i] = static_cast<float>(sections.points[i]) * scale_of(sections.scales[0], i % kPointValues);
+  std::array<float, kTile * kShapeMax> rows;  // of kTile values
+  for (std::size_t i = 0; i < point_values; i += kTile) {
+    const std::size_t values = std::min(kTile, point_values - i);
+    for (std::size_t shape = 0; shape < shapes; shape += kTile) {
+      const std::size_t planes = std::min(kTile, shapes - shape);
+      float* out = &rows[shape];
+      if (values < kTile || planes < kTile) {
+        for (std::size_t v = 0; v < values; ++v)
+          for (std::size_t p = 0; p < planes; ++p)
+            out[v * shapes + p] =
+                static_cast<float>(basis[(shape + p) * point_values + i + v]) * scale_at(i + v)[shape + p];
+        continue;
+      }
+      std::array<Steps, kTile> tile;
+      for (std::size_t p = 0; p < kTile; ++p)
+        std::memcpy(&tile[p], basis + (shape + p) * point_values + i, sizeof tile[p]);
+      turn(tile);
+      for (std::size_t v = 0; v < kTile; ++v, out += shapes) {
+        const Steps negative = tile[v] < 0;
+        const float* scale = scale_at(i + v) + shape;
+        put_scaled(interleaved<false>(tile[v], negative), scale, out);
+        put_scaled(interleaved<true>(tile[v], negative), scale + kTile / 2, out + kTile / 2);
+      }
+    }
+    space.point_basis.insert(space.point_basis.end(), rows.begin(),
+                             rows.begin() + static_cast<std::ptrdiff_t>(values * shapes));
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include "capi/include/im2fit/im2fit.h"
 #include "core/camera.h"
+#include "core/lazy_zeros.h"
 #include "core/status.h"
 #include "engine/engine.h"
 #include "hal/undistort.h"
@@ -45,10 +46,10 @@ class FrameReader {
     bool same_as(const Lens& other) const;
   };
   bool undistort_ = false;
-  Lens lens_;                           // of the table
-  std::vector<std::int32_t> table_;     // for each pixel of the session's picture the camera's; -1: outside
-  std::vector<std::uint16_t> camera_;   // a frame that is to be turned
-  std::vector<std::uint16_t> upright_;  // one that is to be resampled; others go straight into the engine's place
+  Lens lens_;                         // of the table
+  std::vector<std::int32_t> table_;   // for each pixel of the session's picture the camera's; -1: outside
+  LazyZeros<std::uint16_t> camera_;   // a frame that is to be turned
+  LazyZeros<std::uint16_t> upright_;  // one that is to be resampled; others go straight into the engine's place
   std::vector<std::int32_t> columns_, rows_;  // of a resampled picture: where its samples come from; -1: outside
 };
 

@@ -80,6 +80,7 @@ class PipelineEngine final : public Engine {
     if (settings.live)
       spare_pixels_.resize(static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height));
     if (settings.rest) rest_.emplace(settings.width, settings.height);
+    to_go_.store(fit_.frames_to_go_min(), std::memory_order_relaxed);
     for (std::uint32_t slot = 0; slot < pool_.slot_count(); ++slot) put(free_, slot);
     people().select(settings.user);
   }
@@ -146,6 +147,7 @@ class PipelineEngine final : public Engine {
     ++pushed_;
     put(input_, index);
     sense_event_.signal();
+    if (!is_live()) wait_while_enough();
     return Ok{};
   }
 
@@ -245,6 +247,7 @@ class PipelineEngine final : public Engine {
 
   void begin_again() {
     over_.store(false, std::memory_order_relaxed);
+    to_go_.store(fit_.frames_to_go_min(), std::memory_order_relaxed);
     fault_.store(nullptr, std::memory_order_relaxed);
     counts_ = {};
     arrival_.reset();
@@ -315,6 +318,18 @@ class PipelineEngine final : public Engine {
     in_hand_ = index;
   }
 
+  // Waits while the frames in the pipeline may be all that the session needs: another one would be read in vain.
+  void wait_while_enough() {
+    for (;;) {
+      const std::uint32_t ticket = producer_event_.ticket();
+      // A frame counts as in the pipeline until after it is counted in to_go_: never too few are taken to be needed.
+      const std::uint64_t inside = pushed_ - processed_.load(std::memory_order_acquire);
+      const int to_go = to_go_.load(std::memory_order_acquire);
+      if (inside == 0 || to_go == 0 || inside < static_cast<std::uint64_t>(to_go)) return;
+      producer_event_.wait(ticket);
+    }
+  }
+
   // Waits until every frame pushed has come out of FIT.
   void drain() {
     for (;;) {
@@ -383,6 +398,8 @@ class PipelineEngine final : public Engine {
     if (fit_.fault() != nullptr) fault_.store(fit_.fault(), std::memory_order_release);
     if (fit_.over()) over_.store(true, std::memory_order_relaxed);
     snapshot_.publish(fit_.result());
+    // After it: a producer that need not wait reads that the person is measured.
+    to_go_.store(fit_.frames_to_go_min(), std::memory_order_release);
     if (!settings_.watch || slot.passed) return;
     const Detection& detection = slot.detection;
     settings_.watch({slot.depth, slot.mask, slot.info,
@@ -455,6 +472,7 @@ class PipelineEngine final : public Engine {
 
   std::atomic<std::uint64_t> processed_{0};
   std::atomic<bool> over_{false};  // FIT to SENSE: the session is over, frames need no reading
+  std::atomic<int> to_go_{0};      // FIT to the producer: frames_to_go_min()
   // FIT to the producer: its fault, which stands still while the session is over.
   std::atomic<const Error*> fault_{nullptr};
   std::atomic<bool> stop_{false};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/fit_stage.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace im2fit {
@@ -264,6 +265,13 @@ void FitStage::end(const ArrivalCounts& counts) {
     measure(true);
   result_.state = session_.state;
   count_accumulated();
+}
+
+int FitStage::frames_to_go_min() const {
+  if (over()) return 0;
+  if (one_after_another_ || leaving_ || rules_.turn == Turn::around) return std::numeric_limits<int>::max();
+  const int of_side = std::max(1, rules_.frames_wanted - stages_.frame_count());
+  return rules_.turn == Turn::back && front_frames_ == 0 ? of_side + rules_.frames_wanted : of_side;
 }
 
 void FitStage::reset() {

@@ -33,6 +33,9 @@ class FitStage {
   // for the person to leave, and frames are still processed.
   bool leaving() const { return leaving_; }
   bool over() const { return fault_ || (session_.state == SessionState::measured && !leaving_); }
+  // A session that ends in frames_wanted frames needs at least so many more; 0: it is over. A great number for those
+  // that are over by something else than a count: a turn all round, and the person who leaves.
+  int frames_to_go_min() const;
   // The damage found in measuring; null: none. Valid until the next session begins.
   const Error* fault() const { return fault_ ? &*fault_ : nullptr; }
   const EngineResult& result() const { return result_; }

@@ -15,6 +15,7 @@
 #include "apps/kiosk/host_check.h"
 #include "apps/kiosk/live_page.h"
 #include "apps/kiosk/operator_gate.h"
+#include "apps/kiosk/web_server_library.h"
 #include "apps/sessions/store.h"
 #include "person/tape_file.h"
 
@@ -70,11 +71,11 @@ class PageListener final : public LiveListener {
   void see(const FrameSeen& frame) override { page_.see(frame); }
   void publish(const Json& event) override { page_.publish(event); }
   Status measured(const SessionOutcome& session) override {
-    if (!session.dressed) return Ok{};
-    const body::Avatar& avatar = session.dressed->avatar;
+    if (!session.avatar) return Ok{};
+    const body::Avatar& avatar = session.avatar->avatar;
     page_.may_try_on(
         {"", avatar.params, avatar.pose, session.person.result.answer.female > 0.5F, session.person.fits});
-    return page_.measured(avatar, session.dressed->glb);
+    return page_.measured(avatar, session.avatar->glb);
   }
 
  private:
@@ -192,6 +193,7 @@ Status check_facts(const ServeOptions& options) {
 }
 
 Result<int> run_serve(const ServeOptions& options) {
+  if (const auto loaded = load_web_server_library(); !loaded) return loaded.error();
   if (const auto checked = check_facts(options); !checked) return checked.error();
   if (const auto checked = check_operator(options); !checked) return checked.error();
   if (const auto checked = check_hand_over(options); !checked) return checked.error();
@@ -242,6 +244,7 @@ void add_serve(cli::App& app, Command& chosen) {
       "0.0.0.0     every machine that can reach this one sees the camera's pictures",
       options, run_serve);
   add_live_options(*sub, options->live);
+  sub->remove_option(sub->get_option("--only"));  // the page shows everything
   sub->get_option("--count")->description("Measure N people, then only show; 0: until Ctrl-C");
   sub->add_flag("--no-consent", options->no_consent,
                 "Measure the person in view without consent on the page: for recordings and for yourself");

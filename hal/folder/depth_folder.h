@@ -43,10 +43,11 @@ struct FolderOptions {
   const FolderContents* contents = nullptr;  // in place of camera.yaml and the tables beside it; for open() only
 };
 
-// Replays every frame in order of number, as fast as it is read; a missing number is counted as a gap. Sizes and
-// formats of all frames are checked by open(), pixels by next(). One rule for damage, whatever it is (empty, cut off,
-// a wrong checksum): that frame gives `corrupt` once, is counted in stats().damaged, and the frame after it comes
-// next; when not one picture has a sound header, open() gives the first one's error.
+// Replays every frame in order of number, as fast as it is read; a missing number is counted as a gap. open() lists
+// the folder and reads the header of the first sound picture; all others are opened when their turn comes. One rule
+// for damage, whatever it is (empty, cut off, a wrong checksum): that frame gives `corrupt` once, is counted in
+// stats().damaged, and the frame after it comes next; when not one picture has a sound header, open() gives the first
+// one's error. A picture of another size or kind ends the recording: next() gives invalid_argument or unsupported.
 class FolderSource final : public Source {
  public:
   static Result<std::unique_ptr<FolderSource>> open(const std::string& path, const FolderOptions& options = {});
@@ -64,7 +65,8 @@ class FolderSource final : public Source {
   };
   FolderSource() = default;
   Status scan(const std::string& path);
-  Status check_frames(const Intrinsics& camera) const;
+  Status check_first_frame(const Intrinsics& camera) const;
+  std::optional<Error> foreign(const Frame& frame);  // whose file is in file_bytes_
   Status read_timestamps(const std::string& path);
   Status read_poses(const std::string& path);
   Status take_tables(const std::string& path);

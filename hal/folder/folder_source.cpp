@@ -166,7 +166,7 @@ Result<std::unique_ptr<FolderSource>> FolderSource::open(const std::string& path
       error.message = yaml + " is missing; put the camera's calibration there or give --camera FILE (docs/cameras)";
     return error;
   }
-  if (auto ok = source->check_frames(camera->intrinsics); !ok) return ok.error();
+  if (auto ok = source->check_first_frame(camera->intrinsics); !ok) return ok.error();
   SourceInfo& info = source->info_;
   info.uri = path;
   info.name = path;
@@ -216,33 +216,37 @@ Status FolderSource::scan(const std::string& path) {
   return Ok{};
 }
 
-// A damaged picture is next()'s to report, unless all are; pictures of another kind or size are another folder.
-Status FolderSource::check_frames(const Intrinsics& camera) const {
+// Up to the first sound one: a recording may have thousands. Damage before it is next()'s to report.
+Status FolderSource::check_first_frame(const Intrinsics& camera) const {
   std::vector<std::byte> bytes;
   std::optional<Error> first_damage;
-  std::size_t damaged = 0;
-  const Frame* first_good = nullptr;
   for (const Frame& frame : frames_) {
     if (auto ok = read_file_into(frame.path, kFileBytesMax, kHeaderBytes, bytes); !ok) return ok.error();
     const auto header = parse_depth_header(bytes, frame.path);
     if (!header && header.error().code != ErrorCode::corrupt) return header.error();
     if (!header) {
-      ++damaged;
       if (!first_damage) first_damage = header.error();
       continue;
     }
-    if (first_good == nullptr) first_good = &frame;
-    if (header->width == camera.width && header->height == camera.height) continue;
-    const std::string found = std::to_string(header->width) + "x" + std::to_string(header->height);
-    const std::string expected = std::to_string(camera.width) + "x" + std::to_string(camera.height);
-    if (&frame == first_good)
-      return Error{ErrorCode::invalid_argument, frame.path + " is " + found + " but camera.yaml is for " + expected +
-                                                    "; give the calibration of these pictures"};
-    return Error{ErrorCode::invalid_argument, frame.path + " is " + found + ", expected " + expected +
-                                                  " like the frames before it; keep one size to a folder"};
+    if (header->width == camera.width && header->height == camera.height) return Ok{};
+    return Error{ErrorCode::invalid_argument, frame.path + " is " + std::to_string(header->width) + "x" +
+                                                  std::to_string(header->height) + " but camera.yaml is for " +
+                                                  std::to_string(camera.width) + "x" + std::to_string(camera.height) +
+                                                  "; give the calibration of these pictures"};
   }
-  if (damaged == frames_.size()) return *first_damage;
-  return Ok{};
+  return *first_damage;
+}
+
+// Pictures of another kind or size are another folder's.
+std::optional<Error> FolderSource::foreign(const Frame& frame) {
+  const auto header = parse_depth_header(file_bytes_, frame.path);
+  if (!header) return header.error().code == ErrorCode::corrupt ? std::nullopt : std::optional(header.error());
+  const DepthImage expected = path_.camera_image();
+  if (header->width == expected.width && header->height == expected.height) return std::nullopt;
+  return Error{ErrorCode::invalid_argument,
+               frame.path + " is " + std::to_string(header->width) + "x" + std::to_string(header->height) +
+                   ", expected " + std::to_string(expected.width) + "x" + std::to_string(expected.height) +
+                   " like the frames before it; keep one size to a folder"};
 }
 
 Status FolderSource::read_timestamps(const std::string& path) {
@@ -338,7 +342,11 @@ Result<FrameInfo> FolderSource::next(DepthImage depth, int /*timeout_ms*/) {
                  info_.name + ": all " + std::to_string(frames_.size()) + " frames were delivered"};
   const Frame& frame = frames_[index_++];
   Status status = read_file_into(frame.path, kFileBytesMax, SIZE_MAX, file_bytes_);
-  if (status) status = decoder_.decode(file_bytes_, frame.path, path_.camera_image());
+  if (status) {
+    status = decoder_.decode(file_bytes_, frame.path, path_.camera_image());
+    if (!status)
+      if (auto error = foreign(frame)) return *error;
+  }
   if (!status) {
     book_.damaged();
     return Error{ErrorCode::corrupt, status.error().message};

@@ -35,7 +35,10 @@ class StorySource final : public hal::Source {
     if (word == "timeout") return Error{ErrorCode::timeout, "timeout"};
     if (word == "corrupt") return Error{ErrorCode::corrupt, "corrupt"};
     if (word == "gone") return Error{ErrorCode::no_device, "unplugged"};
-    copy_in(FramePixels(Shot{}), depth);
+    Shot shot;
+    shot.refused = word == "refused";
+    if (word == "back") shot.view = ViewSide::back;
+    copy_in(FramePixels(shot), depth);
     ++delivered;
     return hal::FrameInfo{.sequence = delivered, .host_ns = static_cast<std::int64_t>(delivered)};
   }
@@ -71,6 +74,32 @@ TEST(Run, StopsWhenMeasured) {
   EXPECT_TRUE(run(*rig.engine, source, true));
   EXPECT_EQ(source.delivered, 10U);
   EXPECT_TRUE(source.stopped);
+}
+
+// On two threads, too: no frame is read that the measurement does not need, though many could wait in the pipeline.
+TEST(Run, ReadsNoFrameBeyondTheMeasurement) {
+  for (const Turn turn : {Turn::none, Turn::back}) {
+    EngineSettings settings = with(false);
+    settings.turn = turn;
+    for (int round = 0; round < 20; ++round) {
+      Rig rig(settings);
+      rig.control.turns = turn == Turn::back;
+      rig.control.sense_delay_us = round % 2 == 0 ? 200 : 0;
+      rig.control.fit_delay_us = round % 2 == 0 ? 0 : 200;
+      // Refused frames are replaced by as many more.
+      std::vector<std::string> story(3, "frame");
+      story.insert(story.end(), {"refused", "refused"});
+      story.insert(story.end(), 7, "frame");
+      story.insert(story.end(), turn == Turn::back ? 10 : 0, "back");
+      const std::size_t needed = story.size();
+      story.insert(story.end(), 50, "frame");
+      StorySource source(story);
+      EXPECT_TRUE(run(*rig.engine, source, true));
+      EXPECT_TRUE(rig.engine->result().measured);
+      EXPECT_EQ(source.delivered, needed);
+      EXPECT_EQ(static_cast<std::size_t>(rig.control.sense_calls), needed);
+    }
+  }
 }
 
 TEST(Run, ReportsALostCameraAfterMeasuringWhatCameBefore) {

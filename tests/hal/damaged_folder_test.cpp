@@ -55,17 +55,12 @@ const std::vector<BadFolder>& bad_folders() {
       {"empty", [](F f) { std::filesystem::remove_all(f), std::filesystem::create_directory(f); },
        ErrorCode::not_found, "holds no depth frames"},
       {"absent", [](F f) { std::filesystem::remove_all(f); }, ErrorCode::not_found, "does not exist"},
-      {"8-bit png", [](F f) { eight_bit_png(f + "/000002.png"); }, ErrorCode::unsupported, "000002.png is a 8-bit"},
-      {"8-bit pgm", [](F f) { put(f + "/000009.pgm", "P5\n48 40\n255\n" + std::string(48 * 40, 'x')); },
-       ErrorCode::unsupported, "000009.pgm has maxval 255"},
+      {"8-bit png", [](F f) { eight_bit_png(f + "/000000.png"); }, ErrorCode::unsupported, "000000.png is a 8-bit"},
       {"pictures that are none",
        [](F f) {
          for (int i = 0; i < 4; ++i) put(f + "/00000" + std::to_string(i) + ".png", "P2\n48 40\n65535\n1 2 3");
        },
        ErrorCode::corrupt, "000000.png is neither"},
-      {"two sizes", [](F f) { other_size(f + "/000004.pgm", 50, 40); }, ErrorCode::invalid_argument,
-       "000004.pgm is 50x40, expected 48x40"},
-      {"too large", [](F f) { put(f + "/000004.pgm", "P5 4096 40 65535\n"); }, ErrorCode::unsupported, "4096x40"},
       {"number twice", [](F f) { other_size(f + "/000001.pgm", 48, 40); }, ErrorCode::invalid_argument,
        "same frame number"},
       {"no camera.yaml", [](F f) { std::filesystem::remove(f + "/camera.yaml"); }, ErrorCode::not_found,
@@ -156,6 +151,55 @@ TEST(Folder, EveryBadOneIsRefusedWithOneLineNamingTheFile) {
   }
 }
 
+// Opening lists the folder; what is wrong with a later picture is reported when its turn comes.
+TEST(Folder, APictureOfAnotherKindOrSizeEndsTheRecordingWithOneLine) {
+  using F = const std::string&;
+  const BadFolder table[] = {
+      {"8-bit png", [](F f) { eight_bit_png(f + "/000002.png"); }, ErrorCode::unsupported, "000002.png is a 8-bit"},
+      {"8-bit pgm", [](F f) { put(f + "/000009.pgm", "P5\n48 40\n255\n" + std::string(48 * 40, 'x')); },
+       ErrorCode::unsupported, "000009.pgm has maxval 255"},
+      {"two sizes", [](F f) { other_size(f + "/000004.pgm", 50, 40); }, ErrorCode::invalid_argument,
+       "000004.pgm is 50x40, expected 48x40"},
+      {"too large", [](F f) { put(f + "/000004.pgm", "P5 4096 40 65535\n"); }, ErrorCode::unsupported, "4096x40"},
+  };
+  for (const BadFolder& bad : table) {
+    SCOPED_TRACE(bad.name);
+    const TestFolder folder;
+    make_folder(folder.path("rec"));
+    std::filesystem::remove(folder.path("rec/timestamps.csv"));
+    bad.spoil(folder.path("rec"));
+    const auto source = open_source(folder.path("rec"));
+    ASSERT_TRUE(source) << source.error().message;
+    Picture out(kMadeWidth, kMadeHeight);
+    auto frame = (*source)->next(out.image(), 0);
+    EXPECT_TRUE(frame);
+    while (frame) frame = (*source)->next(out.image(), 0);
+    EXPECT_EQ(frame.error().code, bad.code) << frame.error().message;
+    EXPECT_TRUE(contains(frame.error().message, bad.names)) << frame.error().message;
+    EXPECT_TRUE(contains(frame.error().message, folder.path("rec"))) << frame.error().message;
+    EXPECT_EQ((*source)->stats().damaged, 0U);
+  }
+}
+
+// Nothing of the pictures after the first sound one is read: links to nowhere show it.
+TEST(Folder, IsListedNotOpened) {
+  const TestFolder folder;
+  make_folder(folder.path("rec"), DepthFormat::png, 2);
+  std::filesystem::remove(folder.path("rec/timestamps.csv"));
+  for (int i = 2; i < 1000; ++i) {
+    const std::string number = std::to_string(i);
+    std::filesystem::create_symlink("nowhere.png",
+                                    folder.path("rec/" + std::string(6 - number.size(), '0') + number + ".png"));
+  }
+  const auto source = FolderSource::open(folder.path("rec"));
+  ASSERT_TRUE(source) << source.error().message;
+  EXPECT_EQ((*source)->info().frame_count, 1000);
+  Picture out(kMadeWidth, kMadeHeight);
+  EXPECT_TRUE((*source)->next(out.image(), 0));
+  EXPECT_TRUE((*source)->next(out.image(), 0));
+  EXPECT_EQ((*source)->next(out.image(), 0).error().code, ErrorCode::corrupt);
+}
+
 TEST(Folder, ADamagedFrameIsSkippedWithItsNameAndTheNextOneComes) {
   for (const DepthFormat format : {DepthFormat::png, DepthFormat::pgm}) {
     const TestFolder folder;
@@ -195,7 +239,7 @@ TEST(Folder, EveryKindOfDamageIsOneFrameLessAndCounted) {
 
 // A FIFO waits for its writer for ever; the names in a folder do not show which file is one.
 TEST(Folder, AFifoIsRefusedAtOnce) {
-  for (const char* name : {"000001.png", "camera.yaml", "timestamps.csv"}) {
+  for (const char* name : {"000000.png", "camera.yaml", "timestamps.csv"}) {
     const TestFolder folder;
     make_folder(folder.path("rec"));
     std::filesystem::remove(folder.path(std::string("rec/") + name));
