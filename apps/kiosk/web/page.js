@@ -91,20 +91,20 @@ function show() {
   sounds.say(code);
 }
 
+function listItems(texts) {
+  return texts.map((text) => Object.assign(document.createElement('li'), {textContent: text}));
+}
+
 function showTexts() {
   if (!words.table) return;
   document.documentElement.lang = words.language;
   const page = words.table.page;
-  for (const id of ['agree', 'stop', 'delete', 'size-title', 'name-head', 'interval-head']) {
+  for (const id of ['agree', 'stop', 'size-title', 'name-head', 'interval-head']) {
     at(id).textContent = page[id];
   }
   at('consent-title').textContent = words.table.consent.title;
   const points = [...words.table.consent.points, words.table.consent[hello.keeps_files ? 'files' : 'no_files']];
-  at('consent-points').replaceChildren(...points.map((text) => {
-    const item = document.createElement('li');
-    item.textContent = text;
-    return item;
-  }));
+  at('consent-points').replaceChildren(...listItems(points));
   at('sight').setAttribute('aria-label', page.sight);
   at('canvas').setAttribute('aria-label', page.body);
   at('accumulated').setAttribute('aria-label', page.accumulated);
@@ -117,10 +117,31 @@ function showTexts() {
   for (const button of at('languages').children) {
     button.setAttribute('aria-current', String(button.lang === words.language));
   }
+  showRecorded();
   fitting.draw();
   facts.draw();
   showResult();
   show();
+}
+
+// A visit that an operator records: the person is told on every screen, with the text they agreed to, which is open
+// while they are recorded. What a press of Delete left is told as well.
+let notDeleted = false;
+function showRecorded() {
+  if (!words.table) return;
+  const recorded = Boolean(visit && visit.recorded), ended = recorded && visit.state === 'RESULT';
+  const box = at('recorded'), consent = words.table.operator.consent;
+  if (box.dataset.state !== `${recorded} ${ended}`) {
+    box.hidden = !recorded;
+    box.open = recorded && !ended;
+    box.dataset.state = `${recorded} ${ended}`;
+  }
+  at('recorded-words').textContent = words.of(ended ? 'recorded' : 'recording');
+  at('recorded-title').textContent = consent.title;
+  at('recorded-points').replaceChildren(...listItems(consent.points));
+  at('delete').textContent = words.of(recorded ? 'delete_recording' : 'delete');
+  at('not-deleted').hidden = !notDeleted;
+  at('not-deleted').textContent = notDeleted ? words.of('not_deleted') : '';
 }
 
 function showSize() {
@@ -212,6 +233,8 @@ const on = {
     }
     const tells = event.state === 'FACTS' && (!visit || visit.state !== 'FACTS');
     visit = event;
+    if (event.state !== 'ASKING') notDeleted = false;
+    showRecorded();
     document.body.dataset.visit = event.id;
     if (!tells) return;
     facts.draw();
@@ -219,8 +242,9 @@ const on = {
     facts.focus();
   },
   beat(event) {
-    const text = visit && visit.state === 'RESULT' && words.table ? words.of('left').replace('{s}', event.left_s) : '';
-    at('left').textContent = text;
+    const counts = visit && visit.state === 'RESULT' && words.table;
+    // Of who is recorded only the screen is cleared: nothing says that the recording goes.
+    at('left').textContent = counts ? words.of(visit.recorded ? 'left_recorded' : 'left').replace('{s}', event.left_s) : '';
   },
   trouble(event) { trouble = event.code; },
   state(event) {
@@ -273,6 +297,7 @@ function lose(why) {
   link = why;
   visit = null;
   forget();
+  showRecorded();
   show();
 }
 function connect() {
@@ -305,12 +330,12 @@ setInterval(() => {
 
 // --- what people do
 async function ask(action, note = '') {
-  if (!visit) return;
+  if (!visit) return null;
   const headers = {'X-Im2fit-Visit': visit.id, 'X-Im2fit-Note': note};
   try {
-    await fetch(`/${action}`, {method: 'POST', headers});
+    return await fetch(`/${action}`, {method: 'POST', headers});
   } catch (error) {
-    // The stream says that the program has gone.
+    return null;  // the stream says that the program has gone
   }
 }
 at('to-phone').addEventListener('click', async () => {
@@ -340,9 +365,12 @@ at('agree').addEventListener('click', () => {
   ask('consent', `${words.language}-${words.table.consent.version}`);
 });
 for (const id of ['delete', 'stop']) {
-  at(id).addEventListener('click', () => {
-    ask('delete');
+  at(id).addEventListener('click', async () => {
+    const asked = ask('delete');
     forget();
+    const answer = await asked;
+    notDeleted = Boolean(answer) && answer.status === 500;
+    showRecorded();
   });
 }
 at('unit').addEventListener('click', () => {
