@@ -102,7 +102,8 @@ Status OperatorDesk::visit_over(std::uint64_t visit, bool erased) {
     saved.swap(saved_);
   }
   if (saved.empty()) return Ok{};
-  auto gone = sessions::remove(settings_.root, saved);
+  Status gone = sessions::remove(settings_.root, saved);
+  if (!gone && gone.error().code == ErrorCode::not_found) gone = Ok{};  // the operator was first
   const std::lock_guard lock(mutex_);
   if (visit_ == visit) (gone ? erased_ : saved_) = saved;
   return gone;

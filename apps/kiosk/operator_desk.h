@@ -67,8 +67,8 @@ class OperatorDesk {
   void see(std::uint64_t visit, const FrameSeen& frame);
   void measured(std::uint64_t visit, const std::string& result_json);
   // Deletes the recording: the person requested deletion, or left before there was an answer. `erased`: the person
-  // requested it; then its session goes, too, if it is saved or being saved. Otherwise a measured visit is kept for the
-  // operator, who is still at the form. Errors: the session stays.
+  // requested it; then its session goes, too, if it is saved or being saved. Otherwise a measured visit is kept for
+  // the operator, who is still at the form. Errors: the session stays.
   Status visit_over(std::uint64_t visit, bool erased);
 
  private:

@@ -14,7 +14,10 @@ const kNothingSeen = {state: 'SEARCHING', guidance: [], details: {}, used: 0, ba
 const words = new Words(new URLSearchParams(location.search).get('lang') || navigator.language || 'en');
 const sounds = new Sounds();
 const facts = new Facts(at('facts'), at('told'));
-document.addEventListener('im2fit-result', (event) => facts.measured(event.detail));
+document.addEventListener('im2fit-result', (event) => {
+  facts.measured(event.detail);
+  showPanel();
+});
 document.addEventListener('im2fit-forget', () => facts.forget());
 const mirror = new Mirror(at('sight'));
 const failures = [];  // what went wrong here, for who looks into it
@@ -28,6 +31,7 @@ let result = null;
 let link = 'SERVER_GONE';  // or 'TOO_MANY_SCREENS', or '' while events come
 let trouble = '', camera = '', over = false;
 let offer = null, offerTimer = 0;  // what /hand-over answered
+let panel = 'tryon';               // beside the body: 'tryon', 'phone' or 'figures'
 let stage = null;
 try {
   stage = new Stage(at('canvas'));
@@ -109,8 +113,11 @@ function showTexts() {
   at('canvas').setAttribute('aria-label', page.body);
   at('accumulated').setAttribute('aria-label', page.accumulated);
   at('languages').setAttribute('aria-label', page.languages);
+  at('try-on').textContent = words.table.tryon.title;
   at('to-phone').textContent = page.to_phone;
   at('to-phone').hidden = !hello.hands_over;
+  at('open-figures').textContent = page.figures;
+  at('more').textContent = page.more_time;
   showCode();
   at('sound').textContent = sounds.on ? page.sound_on : page.sound_off;
   at('sound').setAttribute('aria-pressed', String(sounds.on));
@@ -173,9 +180,21 @@ function showResult() {
   at('others').textContent = notes.join(' ');
 }
 
+// One thing beside the body: trying on, the phone's code or the figures.
+function showPanel() {
+  const wears = fitting.fits.length > 0;
+  if (panel === 'phone' && !offer) panel = 'tryon';
+  const shown = panel === 'tryon' && !wears ? 'figures' : panel;
+  at('try-on').hidden = !wears;
+  for (const [id, button] of [['tryon', 'try-on'], ['phone', 'to-phone'], ['figures', 'open-figures']]) {
+    at(id).hidden = id !== shown;
+    at(button).setAttribute('aria-expanded', String(id === shown));
+  }
+}
+
 // The code by which a phone takes the result, while it holds.
 function showCode() {
-  at('phone').hidden = !offer;
+  showPanel();
   if (!offer) return;
   const svg = at('code'), margin = 4;  // as readers need it
   svg.setAttribute('viewBox', `${-margin} ${-margin} ${offer.side + 2 * margin} ${offer.side + 2 * margin}`);
@@ -198,10 +217,9 @@ function forget() {
   result = null;
   seen = {...kNothingSeen};
   mirror.clear();
-  if (stage) {
-    stage.removeAvatar();
-    stage.setJoints(null);
-  }
+  if (stage) stage.removeAvatar();
+  panel = 'tryon';
+  delete document.body.dataset.near;
   delete document.body.dataset.avatar;
   for (const id of ['size', 'others', 'left']) at(id).replaceChildren();
   at('values').tBodies[0].replaceChildren();
@@ -218,7 +236,6 @@ const on = {
     boot = event.boot;
     hello = event;
     mirror.setBones(event.bones, event.joints);
-    if (stage) stage.setBones(event.bones, event.joints);
     camera = '';
     over = false;
     showTexts();
@@ -258,9 +275,7 @@ const on = {
     seen.back = event.frames_back;
     turned(event.turned_deg);
     mirror.setJoints(event.pixels, codeNow());
-    if (!stage) return;
-    stage.setJoints(event.joints);
-    if (event.rotations) stage.pose(event.root, event.rotations);
+    if (stage && event.rotations) stage.pose(event.root, event.rotations);
   },
   picture(event) {
     if (visit && visit.state === 'MEASURING') mirror.load(event.number);
@@ -280,9 +295,6 @@ const on = {
   },
   tryon(event) { fitting.ready(event); },
   cloth() { clothLink.fetch(); },
-  left() {
-    if (stage) stage.setJoints(null);
-  },
   camera(event) { camera = event.state === 'PRESENT' ? '' : 'CAMERA_LOST'; },
   end() {
     over = true;
@@ -347,14 +359,23 @@ at('to-phone').addEventListener('click', async () => {
   if (!given || !visit || visit.id !== whose.id) return;  // over meanwhile
   endOffer();
   offer = given;
+  panel = 'phone';
   offerTimer = setTimeout(endOffer, 1000 * given.left_s);
   showCode();
-  at('phone').scrollIntoView({block: 'nearest'});
 });
+for (const [id, shown] of [['try-on', 'tryon'], ['open-figures', 'figures']]) {
+  at(id).addEventListener('click', () => {
+    panel = shown;
+    showPanel();
+  });
+}
+at('more').addEventListener('click', () => ask('touch'));
 let touchedAt = 0;
-for (const kind of ['pointerdown', 'keydown', 'wheel']) {
+for (const kind of ['pointerdown', 'keydown', 'wheel', 'click']) {
   window.addEventListener(kind, () => {
     sounds.unlock();
+    // Who touches the result stands before it: "come here" no longer has to be read from afar.
+    if (document.body.dataset.stage === 'result') document.body.dataset.near = 'true';
     if (Date.now() - touchedAt < kTouchMs) return;
     touchedAt = Date.now();
     ask('touch');

@@ -154,6 +154,44 @@ TEST_F(Desk, NothingStaysOfWhoDeletesOrLeavesOrIsDiscarded) {
   EXPECT_EQ(entries(), 0U) << "the program ended";
 }
 
+TEST_F(Desk, DeleteOnThePersonsPageAlsoDeletesTheSavedSession) {
+  ASSERT_NO_FATAL_FAILURE(measured_visit());
+  ASSERT_EQ(post("/operator/save", kForm).first, 202);
+  const std::string id = job_done()["id"], visit = page_->visit();
+  ASSERT_TRUE(sessions::read(root_, id));
+  EXPECT_FALSE(get("/operator/state").contains("erased"));
+  EXPECT_EQ(page_->post("/delete", visit), 200);
+  EXPECT_EQ(entries(), 0U);
+  EXPECT_EQ(get("/operator/state")["erased"], id) << "the operator is told";
+  EXPECT_EQ(page_->post("/delete", visit), 409);
+  // Another person's Delete is not of this one's session, and who leaves without it has their session kept.
+  ASSERT_NO_FATAL_FAILURE(measured_visit());
+  EXPECT_FALSE(get("/operator/state").contains("erased"));
+  ASSERT_EQ(post("/operator/save", kForm).first, 202);
+  ASSERT_EQ(job_done()["error"], "");
+  ASSERT_NO_FATAL_FAILURE(measured_visit());
+  EXPECT_EQ(page_->post("/delete", page_->visit()), 200);
+  EXPECT_EQ(entries(), 1U);
+}
+
+TEST_F(Desk, DeleteDuringSavingLeavesNothing) {
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_NO_FATAL_FAILURE(measured_visit());
+    const std::string visit = page_->visit();
+    ASSERT_EQ(post("/operator/save", kForm).first, 202);
+    EXPECT_EQ(page_->post("/delete", visit), 200);
+    job_done();
+    EXPECT_EQ(entries(), 0U) << i;
+  }
+}
+
+TEST_F(Desk, DeleteOfASessionThatTheOperatorDeletedIsDone) {
+  ASSERT_NO_FATAL_FAILURE(measured_visit());
+  ASSERT_EQ(post("/operator/save", kForm).first, 202);
+  EXPECT_EQ(post("/operator/delete", {{"id", job_done()["id"]}}).first, 200);
+  EXPECT_EQ(page_->post("/delete", page_->visit()), 200);
+}
+
 TEST_F(Desk, ConsentOfAnotherTextOrDuringACustomersVisitIsNone) {
   EXPECT_EQ(post("/operator/begin", {{"language", "de"}, {"version", "0"}}).first, 409);
   EXPECT_EQ(post("/operator/begin", {{"language", "xx"}, {"version", "1"}}).first, 409);

@@ -111,6 +111,25 @@ class ShownPage {
                     {"view", "front"},
                     {"frames_used", 12}});
   }
+  // As in result.json: of every garment M fits, smaller sizes are tight and larger ones loose.
+  static apps::Json fits() {
+    apps::Json all = apps::Json::array();
+    for (const char* garment : {"t_shirt", "long_sleeved_shirt", "dress", "trousers", "shorts", "skirt"}) {
+      apps::Json sizes;
+      int ease_mm = -40;
+      for (const char* size : {"XS", "S", "M", "L", "XL", "XXL", "3XL"}) {
+        for (const char* region : {"chest", "waist", "hip"}) {
+          const bool waist_of_s = std::string(size) == "S" && std::string(region) == "waist";
+          const char* verdict = ease_mm < 0 ? "tight" : waist_of_s ? "snug" : ease_mm < 80 ? "good" : "loose";
+          sizes[size][region] = {
+              {"ease_mm", ease_mm}, {"interval", {ease_mm - 60, ease_mm + 60}}, {"verdict", verdict}};
+        }
+        ease_mm += 40;
+      }
+      all.push_back({{"garment", garment}, {"chart", "EN 13402-3"}, {"best", "M"}, {"fits", true}, {"sizes", sizes}});
+    }
+    return all;
+  }
   // A result of this chest girth. `known`: as in result.json.
   void measured(double chest_mm, const std::string& out = "", const apps::Json& known = nullptr,
                 bool corrected = false) {
@@ -122,6 +141,7 @@ class ShownPage {
       result["measurements"][std::string(info.id)] = {
           {"value", value}, {"unit", info.unit}, {"interval", {value - 20, value + 20}}};
     }
+    result["fit"] = fits();
     if (!known.is_null()) result["known"] = known;
     apps::Json event = {{"event", "measured"}, {"frame", 1}, {"person", 1}, {"result", std::move(result)}};
     if (corrected) event["corrected"] = true;
