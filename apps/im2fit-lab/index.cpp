@@ -16,6 +16,7 @@
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/samples.h"
 #include "core/file.h"
+#include "formats/json_file.h"
 #include "person/data_files.h"
 #include "report/text_table.h"
 #include "train/dataset/dataset.h"
@@ -90,7 +91,7 @@ Result<int> inspect(const InspectOptions& options) {
   const auto index = load_index(options.path);
   if (!index) return index.error();
   if (options.json) {
-    fmt::print("{}\n", inspected(*index).dump(2));
+    fmt::print("{}\n", json_text(inspected(*index), 2));
     return kExitOk;
   }
   const index::Info& info = index->info();
@@ -201,7 +202,7 @@ Result<int> query(const InspectOptions& options) {
     if (!person) return person.error();
     ++answers;
     if (options.json) {
-      fmt::print("{}\n", answered(a, *person).dump());
+      fmt::print("{}\n", json_text(answered(a, *person)));
       continue;
     }
     TextTable table({where, "value", "from", "to"});

@@ -12,7 +12,6 @@
 #include "apps/im2fit/commands.h"
 #include "apps/im2fit/live_run.h"
 #include "apps/im2fit/remeasure.h"
-#include "apps/kiosk/host_check.h"
 #include "apps/kiosk/live_page.h"
 #include "apps/kiosk/operator_gate.h"
 #include "apps/kiosk/web_server_library.h"
@@ -161,10 +160,10 @@ Status check_operator(const ServeOptions& options) {
   }
   if (options.no_consent)
     return Error{ErrorCode::invalid_argument, "--operator records people who consent; leave --no-consent out"};
-  if (options.password_file.empty() && !is_this_machine(options.address.host))
-    return Error{ErrorCode::invalid_argument, "--operator at " + options.address.host +
-                                                  " lets others read and delete sessions; it needs "
-                                                  "--operator-password-file FILE, or --host 127.0.0.1"};
+  if (options.password_file.empty())  // at this machine too: customers use its browser
+    return Error{
+        ErrorCode::invalid_argument,
+        "--operator lets who opens /operator read and delete sessions; it needs --operator-password-file FILE"};
   return Ok{};
 }
 
@@ -219,11 +218,9 @@ Result<int> run_serve(const ServeOptions& options) {
     auto desk = operator_settings(options);
     if (!desk) return desk.error();
     settings.desk = std::move(*desk);
-    if (!options.password_file.empty()) {
-      auto password = read_password(options.password_file);
-      if (!password) return password.error();
-      settings.operator_password = std::move(*password);
-    }
+    auto password = read_password(options.password_file);
+    if (!password) return password.error();
+    settings.operator_password = std::move(*password);
   }
   auto page = LivePage::open(settings);
   if (!page) return page.error();
@@ -257,7 +254,7 @@ void add_serve(cli::App& app, Command& chosen) {
   sub->add_flag("--operator", options->desk,
                 "Add a page at /operator that records people with tape values, see docs/sessions.md");
   sub->add_option("--operator-password-file", options->password_file,
-                  "File with the operator's password, readable by its owner alone; needed at another --host")
+                  "File with the operator's password, readable by its owner alone; needed with --operator")
       ->type_name("FILE");
   sub->add_option("--sessions", options->sessions, "Folder of the operator's sessions")
       ->type_name("DIR")

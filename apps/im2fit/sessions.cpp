@@ -27,6 +27,25 @@ std::string or_dash(const std::string& text) {
   return text.empty() ? "-" : text;
 }
 
+// A terminal obeys DEL and U+0080 to U+009F, which JSON has as they are, and only within texts: there an escape is
+// the same character.
+std::string for_terminal(const std::string& json) {
+  std::string out;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const auto c = static_cast<unsigned char>(json[i]);
+    const auto next = i + 1 < json.size() ? static_cast<unsigned char>(json[i + 1]) : 0U;
+    if (c == 0x7F) {
+      out += "\\u007f";
+    } else if (c == 0xC2 && next >= 0x80 && next < 0xA0) {
+      out += fmt::format("\\u{:04x}", next);
+      ++i;
+    } else {
+      out += json[i];
+    }
+  }
+  return out;
+}
+
 Result<int> run_list(const SessionsOptions& options) {
   const auto all = sessions::list(options.session.root);
   if (!all) return all.error();
@@ -40,7 +59,7 @@ Result<int> run_list(const SessionsOptions& options) {
         entry.update(*parse_json<Json>(one.record.document, one.id));
       json.push_back(std::move(entry));
     }
-    fmt::print("{}\n", json_text(json, 1));
+    fmt::print("{}\n", for_terminal(json_text(json, 1)));
     return kExitOk;
   }
   TextTable table({"id", "person", "height", "clothing", "tape values", "site"});
@@ -82,7 +101,7 @@ Result<int> run_show(const SessionsOptions& options) {
   const auto record = sessions::read(options.session.root, options.session.id);
   if (!record) return record.error();
   if (options.json) {
-    fmt::print("{}", record->document);
+    fmt::print("{}", for_terminal(record->document));
     return kExitOk;
   }
   const auto recording = sessions::recording_of(options.session.root, options.session.id);
@@ -133,7 +152,8 @@ Result<int> run_measure(const SessionsOptions& options) {
   if (!done) return done.error();
   const bool measured = done->now["measurements"].size() > 0;
   if (options.json)
-    fmt::print("{}\n", json_text(Json{{"id", done->record.id}, {"then", done->before}, {"now", done->now}}, 2));
+    fmt::print("{}\n",
+               for_terminal(json_text(Json{{"id", done->record.id}, {"then", done->before}, {"now", done->now}}, 2)));
   else if (measured)
     fmt::print("{}", comparison(*done));
   if (measured) return kExitOk;

@@ -16,6 +16,7 @@
 #include "apps/common/paths.h"
 #include "apps/im2fit/commands.h"
 #include "core/file.h"
+#include "formats/json_file.h"
 #include "person/data_files.h"
 #include "person/tape_file.h"
 #include "report/canvas.h"
@@ -226,7 +227,7 @@ Result<int> run_list(const TapeOptions& options) {
   if (options.json) {
     Json all = Json::array();
     for (const TapeDefinition& d : tape->definitions) all.push_back(definition_json(*tape, d));
-    fmt::print("{}\n", all.dump(1));
+    fmt::print("{}\n", json_text(all, 1));
     return kExitOk;
   }
   // The last column is left alone: names are of any width.
@@ -270,11 +271,12 @@ Result<int> run_show(const TapeOptions& options) {
     if (const auto drawn = draw(*tape, index, options); !drawn) return drawn.error();
   const Json json = definition_json(*tape, tape->definitions[static_cast<std::size_t>(index)]);
   if (options.json) {
-    fmt::print("{}\n", json.dump(1));
+    fmt::print("{}\n", json_text(json, 1));
     return kExitOk;
   }
   for (const auto& [key, value] : json.items())
-    if (!value.is_null()) fmt::print("{:<11} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+    if (!value.is_null())
+      fmt::print("{:<11} {}\n", key, value.is_string() ? value.get<std::string>() : json_text(value));
   return kExitOk;
 }
 

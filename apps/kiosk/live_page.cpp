@@ -151,7 +151,7 @@ bool LivePage::begin_recorded_visit(const std::function<void(std::uint64_t visit
   if (visit_.state() != VisitState::asking) {
     if (visit_.number() != desk_visit_) return false;  // a customer's
     visit_.next(now);
-    forget(desk_visit_, false);
+    (void)forget(desk_visit_, false);
   }
   if (!visit_.consent(visit_.id(), now)) return false;
   visit_.facts_done(now);  // the tape is compared with what the camera measured, without them
@@ -165,11 +165,11 @@ void LivePage::end_recorded_visit(std::uint64_t visit) {
   const std::lock_guard lock(visit_mutex_);
   if (visit_.number() != visit || visit_.state() == VisitState::asking) return;
   visit_.next(Clock::now());
-  forget(visit, true);
+  (void)forget(visit, true);
 }
 
-void LivePage::forget(std::uint64_t over, bool erased) {
-  if (desk_) desk_->visit_over(over, erased);
+Status LivePage::forget(std::uint64_t over, bool erased) {
+  auto gone = desk_ ? desk_->visit_over(over, erased) : Status(Ok{});
   // Files first: who hears of the new visit finds nothing of the one before.
   board_.withdraw({"state", "frame", "picture", "measured", "tryon", "cloth", "left"},
                   {"/result.json", "/avatar.glb", "/picture.png"});
@@ -180,33 +180,37 @@ void LivePage::forget(std::uint64_t over, bool erased) {
   folder_.clear();
   reported_ = {};
   publish_visit();
+  return gone;
 }
 
-bool LivePage::act(PageAction action, std::string_view visit, std::string_view note) {
+PageAnswer LivePage::act(PageAction action, std::string_view visit, std::string_view note) {
+  const PageAnswer over{409, nullptr, "that visit is over"};
   std::string folder;
+  Status gone = Ok{};
   {
     const std::lock_guard lock(visit_mutex_);
     const auto now = Clock::now();
     const std::uint64_t number = visit_.number();
     switch (action) {
       case PageAction::touch:
-        if (!visit_.touch(visit, now)) return false;
+        if (!visit_.touch(visit, now)) return over;
         publish_beat();
-        return true;
+        break;
       case PageAction::consent:
-        if (!visit_.consent(visit, now)) return false;
+        if (!visit_.consent(visit, now)) return over;
         publish_visit();
         if (settings_.consented) settings_.consented(visit_.number(), std::string(note));
-        return true;
+        break;
       case PageAction::erase:
         folder = folder_;
-        if (!visit_.erase(visit, now)) return false;
-        forget(number, true);
+        if (!visit_.erase(visit, now)) return over;
+        gone = forget(number, true);
         break;
     }
   }
   if (!folder.empty() && settings_.erase_folder) settings_.erase_folder(folder);
-  return true;
+  if (!gone) return {500, nullptr, "the recording was not deleted: " + gone.error().message};
+  return {200, nullptr, "done"};
 }
 
 // Only the page that requested the code receives it.
@@ -263,7 +267,7 @@ void LivePage::tick() {
       if (ending_) return;
       const std::uint64_t number = visit_.number();
       if (visit_.tick(Clock::now()))
-        forget(number, false);
+        (void)forget(number, false);
       else if (ticks % kTicksPerBeat == 0)
         publish_beat();
     }
@@ -396,7 +400,7 @@ void LivePage::next_visit() {
   const std::uint64_t over = visit_.number();
   visit_.next(Clock::now());
   permitted_ = visit_.number();
-  forget(over, false);
+  (void)forget(over, false);
 }
 
 void LivePage::may_try_on(Customer customer) {

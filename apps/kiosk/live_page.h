@@ -38,7 +38,7 @@ struct LivePageSettings {
   // too.
   std::function<void(const std::string& folder)> erase_folder;
   std::optional<OperatorSettings> desk;  // the operator's part of the page; nullopt: none
-  std::string operator_password;         // "": no password needed
+  std::string operator_password;         // needed with `desk`
   // Where phones take results that the page hands over, and nothing else; none: it hands none over.
   std::optional<PageAddress> hand_over;
   std::chrono::milliseconds hand_over_max = kHandOverMax;
@@ -80,7 +80,7 @@ class LivePage {
   using Clock = std::chrono::steady_clock;
   explicit LivePage(const LivePageSettings& settings);
   // These hold visit_mutex_.
-  bool act(PageAction action, std::string_view visit, std::string_view note);
+  PageAnswer act(PageAction action, std::string_view visit, std::string_view note);
   PageAnswer offer(std::string_view visit);
   PageAnswer take(std::string_view token);
   PageAnswer take_facts(std::string_view visit, std::string_view body);
@@ -90,7 +90,8 @@ class LivePage {
   // These need it held.
   void publish_visit();
   void publish_beat();
-  void forget(std::uint64_t over, bool erased);  // the visit of that number: all of it, for every client
+  // The visit of that number: all of it, for every client. Errors: as OperatorDesk::visit_over.
+  Status forget(std::uint64_t over, bool erased);
   void next_visit();
   bool publish_of_visit(const std::string& kind, const Json& event, std::string line);
   bool is_current() const { return permitted_ == visit_.number(); }

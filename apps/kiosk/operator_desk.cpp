@@ -90,13 +90,23 @@ void OperatorDesk::measured(std::uint64_t visit, const std::string& result_json)
   result_ = result_json;
 }
 
-void OperatorDesk::visit_over(std::uint64_t visit, bool erased) {
+Status OperatorDesk::visit_over(std::uint64_t visit, bool erased) {
   std::shared_ptr<VisitRecorder> going;  // ends outside the lock: it may wait for the disk
+  std::string saved;
+  {
+    const std::lock_guard lock(mutex_);
+    if (visit_ != visit || (phase_ != Phase::recording && !erased)) return Ok{};
+    phase_ = Phase::idle;
+    going.swap(recorder_);
+    result_.clear();
+    saved.swap(saved_);
+  }
+  if (saved.empty()) return Ok{};
+  Status gone = sessions::remove(settings_.root, saved);
+  if (!gone && gone.error().code == ErrorCode::not_found) gone = Ok{};  // the operator was first
   const std::lock_guard lock(mutex_);
-  if (visit_ != visit || (phase_ == Phase::measured && !erased)) return;
-  phase_ = Phase::idle;
-  going.swap(recorder_);
-  result_.clear();
+  if (visit_ == visit) (gone ? erased_ : saved_) = saved;
+  return gone;
 }
 
 PageAnswer OperatorDesk::answer(const PageRequest& request) {
@@ -156,6 +166,7 @@ PageAnswer OperatorDesk::state() const {
                          {"error", counts.error}};
   }
   if (phase_ == Phase::measured) json["result"] = *parse_json<Json>(result_, "result.json");
+  if (!erased_.empty()) json["erased"] = erased_;
   if (!job_.kind.empty())
     json["job"] = {{"kind", job_.kind},
                    {"id", job_.id},
@@ -184,6 +195,8 @@ PageAnswer OperatorDesk::begin(const Json& body) {
     recorder_ = kept;
     visit_ = visit;
     phase_ = Phase::recording;
+    saved_.clear();
+    erased_.clear();
     started_utc_ = sessions::utc_now();
     consent_ = {std::string("operator-") + text->language + "-" + text->version, text->language, text->sha256,
                 started_utc_};
@@ -245,10 +258,14 @@ PageAnswer OperatorDesk::save(const Json& body) {
   whole->document.clear();
   start_job("save", "", [this, recorder, record = std::move(*whole), result](Job& job) {
     auto saved = recorder->save(record, result);
-    if (saved) job.id = *saved;
     if (!saved) job.error = saved.error().message;
     const std::lock_guard lock(mutex_);
-    if (recorder_ != recorder) return;
+    if (recorder_ != recorder) {  // the person deleted it meanwhile
+      const auto gone = saved ? sessions::remove(settings_.root, *saved) : Status(Ok{});
+      job.error = gone ? "the person deleted the recording" : gone.error().message;
+      return;
+    }
+    if (saved) job.id = saved_ = *saved;
     phase_ = Phase::idle;  // also after a failure: a session on a full disk is not kept for another try
     recorder_.reset();
     result_.clear();

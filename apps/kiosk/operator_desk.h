@@ -3,6 +3,8 @@
 // list of sessions. Answers everything below /operator/; page_server.h checks the access.
 //
 //   IDLE -> (consent) RECORDING -> (the engine's answer) MEASURED -> (saved, discarded, deleted by the person) IDLE
+//
+// The person's own page shows that they are recorded, and its Delete also deletes the saved session.
 #pragma once
 
 #include <functional>
@@ -65,8 +67,9 @@ class OperatorDesk {
   void see(std::uint64_t visit, const FrameSeen& frame);
   void measured(std::uint64_t visit, const std::string& result_json);
   // Deletes the recording: the person requested deletion, or left before there was an answer. `erased`: the person
-  // requested it. Otherwise a measured visit is kept for the operator, who is still at the form.
-  void visit_over(std::uint64_t visit, bool erased);
+  // requested it; then its session goes, too, if it is saved or being saved. Otherwise a measured visit is kept for
+  // the operator, who is still at the form. Errors: the session stays.
+  Status visit_over(std::uint64_t visit, bool erased);
 
  private:
   enum class Phase { idle, recording, measured };
@@ -100,6 +103,7 @@ class OperatorDesk {
   std::shared_ptr<VisitRecorder> recorder_;
   sessions::Consent consent_;
   std::string started_utc_, result_;
+  std::string saved_, erased_;  // sessions of `visit_`: the one saved, the one its person deleted
   Job job_;
   std::thread job_thread_;
 };

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/kiosk/operator_gate.h"
 
+#include <arpa/inet.h>
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <cstdint>
+#include <array>
+#include <iterator>
 
 #include "apps/kiosk/visit.h"
 #include "core/file.h"
@@ -16,20 +18,14 @@ namespace {
 constexpr std::size_t kPasswordBytesMax = 200;
 // Its group may read it: systemd's credentials have an access list for their user, which shows as that.
 constexpr mode_t kOthersMay = 027;
-constexpr int kWrongMax = 5;
-constexpr auto kWindow = std::chrono::seconds(1);
 
-std::string base64(const std::string& text) {  // RFC 4648
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  for (std::size_t i = 0; i < text.size(); i += 3) {
-    std::uint32_t bits = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      bits = bits << 8U | (i + k < text.size() ? static_cast<unsigned char>(text[i + k]) : 0U);
-    for (std::size_t k = 0; k < 4; ++k)
-      out += i + k <= text.size() ? kDigits[bits >> (18U - 6U * static_cast<unsigned>(k)) & 63U] : '=';
-  }
-  return out;
+std::string network_of(const std::string& address) {
+  std::array<unsigned char, 16> bytes{};
+  if (::inet_pton(AF_INET6, address.c_str(), bytes.data()) != 1 || address.rfind("::ffff:", 0) == 0) return address;
+  std::fill(bytes.begin() + 8, bytes.end(), static_cast<unsigned char>(0));
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  ::inet_ntop(AF_INET6, bytes.data(), text.data(), text.size());
+  return text.data();
 }
 
 }  // namespace
@@ -50,24 +46,43 @@ Result<std::string> read_password(const std::string& path) {
   return password;
 }
 
-OperatorGate::OperatorGate(const std::string& password)
-    : expected_(password.empty() ? "" : "Basic " + base64("operator:" + password)), token_(random_id()) {}
-
-OperatorGate::Answer OperatorGate::admit(std::optional<std::string_view> authorization, Time now) {
-  if (expected_.empty()) return Answer::admitted;
-  if (!authorization) return Answer::password_needed;  // a browser's first request, before it asks its user
-  if (now - window_ >= kWindow) {
-    window_ = now;
-    wrong_ = 0;
-  }
-  if (wrong_ >= kWrongMax) return Answer::too_many_tries;
-  if (same_secret(expected_, *authorization)) return Answer::admitted;
-  ++wrong_;
-  return Answer::password_needed;
+OperatorGate::Wrong& OperatorGate::wrong_of(const std::string& address, Time now) {
+  for (auto it = wrong_.begin(); it != wrong_.end();)
+    it = now - it->second.last >= kWrongWindow ? wrong_.erase(it) : std::next(it);
+  const std::string network = network_of(address);
+  return wrong_[wrong_.size() < kAddressesMax || wrong_.count(network) > 0 ? network : "others"];
 }
 
-bool OperatorGate::is_token(std::string_view given) const {
-  return same_secret(token_, given);
+OperatorGate::SignIn OperatorGate::sign_in(std::string_view password, const std::string& address, Time now) {
+  Wrong& wrong = wrong_of(address, now);
+  SignIn answer;
+  if (wrong.count >= kWrongMax) answer.wait = kSlowness;
+  if (!same_secret(password_, password)) {
+    wrong.count = std::min(wrong.count + 1, kWrongMax);
+    wrong.last = now;
+    return answer;
+  }
+  if (sessions_.size() >= kSessionsMax)
+    sessions_.erase(std::min_element(sessions_.begin(), sessions_.end(),
+                                     [](const Session& a, const Session& b) { return a.used < b.used; }));
+  sessions_.push_back({random_id(), random_id(), now, now});
+  answer.session = sessions_.back().id;
+  return answer;
+}
+
+void OperatorGate::sign_out(std::string_view session) {
+  std::erase_if(sessions_, [&](const Session& one) { return same_secret(one.id, session); });
+}
+
+std::string OperatorGate::token_of(std::string_view session, bool stays, Time now) {
+  std::erase_if(sessions_,
+                [&](const Session& one) { return now - one.used >= kIdleMax || now - one.begun >= kSessionMax; });
+  for (Session& one : sessions_) {
+    if (!same_secret(one.id, session)) continue;
+    if (stays) one.used = now;
+    return one.token;
+  }
+  return "";
 }
 
 bool same_secret(std::string_view secret, std::string_view given) {

@@ -20,12 +20,14 @@
 #include <thread>
 #include <utility>
 
+#include "apps/common/program.h"
 #include "apps/kiosk/host_check.h"
 #include "apps/kiosk/http_message.h"
 #include "apps/kiosk/listening_socket.h"
 #include "apps/kiosk/operator_gate.h"
 #include "apps/kiosk/visitors.h"
 #include "apps/kiosk/web_files.h"
+#include "formats/json_file.h"
 
 namespace im2fit::apps {
 namespace {
@@ -44,6 +46,9 @@ constexpr unsigned kSpareConnections = 64;
 constexpr std::pair<std::string_view, PageAction> kActions[] = {
     {"/consent", PageAction::consent}, {"/touch", PageAction::touch}, {"/delete", PageAction::erase}};
 constexpr std::string_view kOffer = "/hand-over", kTake = "/take", kFacts = "/facts";
+constexpr std::string_view kSignIn = "/operator/sign-in", kSignOut = "/operator/sign-out";
+constexpr std::size_t kSignInBytesMax = std::size_t{1} << 10;
+constexpr const char* kCookie = "im2fit_operator";
 constexpr const char* kKept = "private, max-age=31536000, immutable";
 
 // A request that is being answered; for a POST with a body, also the result of reading it.
@@ -53,6 +58,9 @@ struct Upload {
   bool wanted = false;  // false: answered already
   std::size_t bytes_max = 0;
   std::string visit;  // of /facts
+  // Of a sign-in: its answer, and when that is sent.
+  std::optional<OperatorGate::SignIn> sign_in;
+  Clock::time_point due;
 };
 
 // Of a server for phones, where "/" is handed.html.
@@ -94,7 +102,8 @@ struct PageServer::Parts {
   MHD_Result answer_operator(MHD_Connection* connection, std::string_view method, Upload& upload);
   MHD_Result answer_facts(MHD_Connection* connection, std::string_view method, Upload& upload);
   MHD_Result want_body(MHD_Connection* connection, Upload& upload, std::size_t bytes_max);
-  MHD_Result use_body(MHD_Connection* connection, const Upload& upload);
+  MHD_Result use_body(MHD_Connection* connection, Upload& upload);
+  MHD_Result answer_sign_in(MHD_Connection* connection, Upload& upload);
   MHD_Result operate(MHD_Connection* connection, const Upload& upload);
   MHD_Result answer_file(MHD_Connection* connection, const WebFile& file);
   MHD_Result answer_post(MHD_Connection* connection, std::string_view path);
@@ -103,6 +112,7 @@ struct PageServer::Parts {
   static ssize_t read_stream(void* closure, std::uint64_t position, char* to, std::size_t room);
   static void end_stream(void* closure);
   void keep();
+  void wake_delayed(Clock::time_point now);
   void wake_streams(bool news, Clock::time_point now);
   Visitors::Visitor* visitor_of(MHD_Connection* connection) const;
 
@@ -113,8 +123,9 @@ struct PageServer::Parts {
   Visitors visitors{VisitorLimits{}};
   std::string url;
   MHD_Daemon* daemon = nullptr;
-  std::mutex mutex;  // of streams and stopping
+  std::mutex mutex;  // of streams, delayed and stopping
   std::list<Stream> streams;
+  std::vector<std::pair<MHD_Connection*, Clock::time_point>> delayed;  // suspended until then
   bool stopping = false;
   std::atomic<int> watchers{0};
   std::thread keeper;
@@ -164,34 +175,36 @@ MHD_Result PageServer::Parts::answer(MHD_Connection* connection, std::string_vie
 
 // All that a request's header can be refused for, before a byte of its body is read.
 MHD_Result PageServer::Parts::answer_operator(MHD_Connection* connection, std::string_view method, Upload& upload) {
-  const Field authorization = field_of(connection, "Authorization");
-  switch (gate.admit(authorization.count > 1 ? std::nullopt : authorization.value, Clock::now())) {
-    case OperatorGate::Answer::admitted:
-      break;
-    case OperatorGate::Answer::too_many_tries:
-      return send(connection, MHD_HTTP_TOO_MANY_REQUESTS, copied("too many wrong passwords; wait a second\n"),
-                  kPlainText);
-    case OperatorGate::Answer::password_needed: {
-      const Response response = copied("the operator's password is needed\n");
-      if (response)
-        MHD_add_response_header(response.get(), "WWW-Authenticate",
-                                R"(Basic realm="im2fit operator", charset="UTF-8")");
-      return send(connection, MHD_HTTP_UNAUTHORIZED, response, kPlainText);
-    }
-  }
   const bool post = method == "POST";
   if (!post && method != "GET" && method != "HEAD") return send_not_allowed(connection, "GET, HEAD, POST");
   if (!post) {
     const Field length = field_of(connection, "Content-Length");
     const bool chunked = field_of(connection, "Transfer-Encoding").count > 0;
     if (chunked || (length.count > 0 && length.value != "0")) return MHD_NO;
-    if (upload.path == "/operator") return answer_file(connection, *web_file(upload.path));
-    if (upload.path == "/operator/token") return send(connection, MHD_HTTP_OK, copied(gate.token()), kPlainText);
-    return operate(connection, upload);
+    if (upload.path == "/operator")
+      return answer_file(connection, *web_file(upload.path));  // which shows nothing yet
   }
   const Field origin = field_of(connection, "Origin"), token = field_of(connection, "X-Im2fit-Token");
-  if (origin.count != 1 || token.count != 1 || !gate.is_token(*token.value))
+  const auto refuse = [&] {
     return send(connection, MHD_HTTP_FORBIDDEN, copied("only the operator's page may request this\n"), kPlainText);
+  };
+  if (post && origin.count != 1) return refuse();
+  if (post && upload.path == kSignIn) return want_body(connection, upload, kSignInBytesMax);
+  // A page that nobody touches polls its state all the same.
+  const char* cookie = MHD_lookup_connection_value(connection, MHD_COOKIE_KIND, kCookie);
+  const std::string_view session = cookie == nullptr ? "" : cookie;
+  const std::string secret = gate.token_of(session, post || upload.path != "/operator/state", Clock::now());
+  if (secret.empty()) {
+    const Response response = copied("sign in at /operator first\n");
+    if (response)  // RFC 9110 11.6.1; of a scheme that no browser knows, so that none asks its user
+      MHD_add_response_header(response.get(), "WWW-Authenticate", R"(Im2fit-Session realm="im2fit operator")");
+    return send(connection, MHD_HTTP_UNAUTHORIZED, response, kPlainText);
+  }
+  if (!post)
+    return upload.path == "/operator/token" ? send(connection, MHD_HTTP_OK, copied(secret), kPlainText)
+                                            : operate(connection, upload);
+  if (token.count != 1 || !same_secret(secret, *token.value)) return refuse();
+  if (upload.path == kSignOut) gate.sign_out(session);
   return want_body(connection, upload, kBodyBytesMax);
 }
 
@@ -223,9 +236,40 @@ MHD_Result PageServer::Parts::want_body(MHD_Connection* connection, Upload& uplo
   return MHD_YES;
 }
 
-MHD_Result PageServer::Parts::use_body(MHD_Connection* connection, const Upload& upload) {
+MHD_Result PageServer::Parts::use_body(MHD_Connection* connection, Upload& upload) {
   if (upload.path == kFacts) return send_answer(connection, handlers.facts(upload.visit, upload.body));
+  if (upload.path == kSignIn) return answer_sign_in(connection, upload);
+  if (upload.path == kSignOut) return send(connection, MHD_HTTP_OK, copied("signed out\n"), kPlainText);
   return operate(connection, upload);
+}
+
+// The library calls again for a connection that was suspended and resumed.
+MHD_Result PageServer::Parts::answer_sign_in(MHD_Connection* connection, Upload& upload) {
+  const auto now = Clock::now();
+  if (!upload.sign_in) {
+    const auto body = parse_json<nlohmann::json>(upload.body, "the request");
+    const bool has = body && body->is_object() && body->contains("password") && (*body)["password"].is_string();
+    const auto* visitor = visitor_of(connection);
+    upload.sign_in = gate.sign_in(has ? (*body)["password"].get<std::string>() : "",
+                                  visitor == nullptr ? "" : visitor->address, now);
+    upload.due = now + upload.sign_in->wait;
+  }
+  if (now < upload.due) {
+    const std::lock_guard lock(mutex);
+    if (stopping) return MHD_NO;
+    delayed.emplace_back(connection, upload.due);
+    MHD_suspend_connection(connection);
+    return MHD_YES;
+  }
+  if (upload.sign_in->session.empty())
+    return send(connection, MHD_HTTP_FORBIDDEN, copied("this password is wrong\n"), kPlainText);
+  const Response response = copied("signed in\n");
+  if (response)
+    MHD_add_response_header(
+        response.get(), "Set-Cookie",
+        (std::string(kCookie) + "=" + upload.sign_in->session + "; Path=/operator; HttpOnly; SameSite=Strict")
+            .c_str());
+  return send(connection, MHD_HTTP_OK, response, kPlainText);
 }
 
 MHD_Result PageServer::Parts::operate(MHD_Connection* connection, const Upload& upload) {
@@ -257,9 +301,7 @@ MHD_Result PageServer::Parts::answer_post(MHD_Connection* connection, std::strin
   if (path == kOffer) return send_answer(connection, handlers.offer(*visit.value));
   const auto* action =
       std::find_if(std::begin(kActions), std::end(kActions), [&](const auto& known) { return known.first == path; });
-  if (!handlers.act(action->second, *visit.value, text))
-    return send(connection, MHD_HTTP_CONFLICT, copied("that visit is over\n"), kPlainText);
-  return send(connection, MHD_HTTP_OK, copied("done\n"), kPlainText);
+  return send_answer(connection, handlers.act(action->second, *visit.value, text));
 }
 
 MHD_Result PageServer::Parts::answer_file(MHD_Connection* connection, const WebFile& file) {
@@ -342,6 +384,14 @@ void PageServer::Parts::wake_streams(bool news, Clock::time_point now) {
   }
 }
 
+void PageServer::Parts::wake_delayed(Clock::time_point now) {
+  std::erase_if(delayed, [&](const auto& one) {
+    if (!stopping && now < one.second) return false;
+    MHD_resume_connection(one.first);
+    return true;
+  });
+}
+
 void PageServer::Parts::keep() {
   for (std::uint64_t known = 0;;) {
     const std::uint64_t number = board.await(known, kTick);
@@ -351,6 +401,7 @@ void PageServer::Parts::keep() {
     visitors.cut_late(now);
     const std::lock_guard lock(mutex);
     stopping = stopping || board.closed();
+    wake_delayed(now);
     wake_streams(news, now);
     if (stopping) return;
   }
@@ -358,6 +409,8 @@ void PageServer::Parts::keep() {
 
 Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address, Board& board,
                                                      PageHandlers handlers) {
+  if (handlers.operate && handlers.operator_password.empty())
+    return Error{ErrorCode::invalid_argument, "the operator's page needs a password"};
   CloseSocket listening{listen_at(address.host, address.port)};
   const int reason = errno;
   const auto failed = [&](int code) {
@@ -390,8 +443,11 @@ Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address,
       if (count > going.bytes_max - going.body.size()) return MHD_NO;
       going.body.append(data, count);
       return MHD_YES;
-    } catch (const std::exception&) {
+    } catch (const std::exception& fault) {
       // In the library, which is C, it would end the program and everybody's page.
+      const auto* going = static_cast<const Upload*>(*request);
+      print_error("the page failed to answer " + std::string(method) + " " + (going == nullptr ? "" : going->path) +
+                  ": " + fault.what());
       return send(connection, MHD_HTTP_INTERNAL_SERVER_ERROR, lasting_bytes("this failed; reload the page\n"),
                   kPlainText);
     }

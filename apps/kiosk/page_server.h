@@ -24,8 +24,8 @@ struct PageAddress {
 // What a page may ask for by POST, without a body.
 enum class PageAction { consent, touch, erase };
 // `visit`: the id that the page names (the field X-Im2fit-Visit), `note`: the page's note (X-Im2fit-Note), both at
-// most kActionTextMax long. On the server's thread. Returns false when the visit is over.
-using PageActor = std::function<bool(PageAction action, std::string_view visit, std::string_view note)>;
+// most kActionTextMax long. On the server's thread. 409 when the visit is over.
+using PageActor = std::function<PageAnswer(PageAction action, std::string_view visit, std::string_view note)>;
 inline constexpr std::size_t kActionTextMax = 64;
 // The fields of the query of /tryon.glb or /cloth.bin, as they are. On the server's thread.
 using PageQuery = std::function<PageAnswer(std::span<const std::pair<std::string, std::string>> fields)>;
@@ -54,7 +54,7 @@ struct PageHandlers {
   PageQuery try_on;               // without it there is no /tryon.glb
   PageQuery cloth;                // without it there is no /cloth.bin
   PageOperator operate;           // without it there is no /operator; on the server's thread
-  std::string operator_password;  // "": no password needed
+  std::string operator_password;  // needed with `operate`, at this machine too: a kiosk's customers are there
   PageOffer offer;                // without it there is no /hand-over
   PageFacts facts;                // without it there is no /facts
   // With it the server is one for phones: it answers for the page that shows the taken result, its files, POST /take,
@@ -66,14 +66,16 @@ struct PageHandlers {
 // request's header may have 16 KB. Only POST /facts and the operator's POST may have a body. host_check.h lists the
 // accepted hosts. GET and HEAD, and POST of /consent, /facts, /touch, /delete and /hand-over from the page itself:
 // with its Origin, which browsers always send with a POST, and with a field that a page of another site cannot send
-// without a preflight request (Fetch, CORS-preflight). Below /operator everything needs the password
-// (operator_gate.h), and POST also the Origin and the token from GET /operator/token, in the field X-Im2fit-Token.
+// without a preflight request (Fetch, CORS-preflight). Anybody gets the operator's page, which shows nothing before
+// POST /operator/sign-in with the password; everything else below it needs the session of that (operator_gate.h), and
+// POST also the Origin and the token from GET /operator/token, in the field X-Im2fit-Token. POST /operator/sign-out
+// ends it.
 class PageServer {
  public:
   static constexpr int kWatchersMax = 8;  // streams at once; further ones are answered 503
 
   // Answers from here on, on two threads of its own. `board` must outlive it. Errors: the address cannot be listened
-  // at.
+  // at; an operator's page without a password.
   static Result<std::unique_ptr<PageServer>> open(const PageAddress& address, Board& board,
                                                   PageHandlers handlers = {});
   // Closes the board; streams get their end, everyone else is cut off. Takes less than half a second whatever clients

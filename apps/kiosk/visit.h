@@ -26,8 +26,8 @@ std::string random_id();
 struct VisitRules {
   bool ask = true;         // false: a visit begins with MEASURING
   bool ask_facts = false;  // true: FACTS follows consent
-  // Without a touch the result goes; people read a page of a dozen values in half of that. So does FACTS.
-  std::chrono::milliseconds result_max{60'000};
+  // Without a touch the result goes: time to try on with a friend. So does FACTS.
+  std::chrono::milliseconds result_max{120'000};
   // Without a person in view consent goes: enough to step back from the screen, too short for the next customer.
   std::chrono::milliseconds absent_max{30'000};
 };

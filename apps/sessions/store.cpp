@@ -42,8 +42,9 @@ std::string time_text(const char* form) {
   return {text.data(), std::strftime(text.data(), text.size(), form, &utc)};
 }
 
+constexpr char kLetters[] = "abcdefghijkmnpqrstuvwxyz23456789";  // 32, none like another
+
 Result<std::string> new_id() {
-  constexpr char kLetters[] = "abcdefghijkmnpqrstuvwxyz23456789";  // 32, none like another
   std::array<unsigned char, kRandomLetters> random{};
   if (::getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size()))
     return system_error("cannot read", "random numbers");
@@ -52,14 +53,23 @@ Result<std::string> new_id() {
   return id;
 }
 
-// "ID" of ".ID.part" and ".ID.gone", "" for other names.
+// As new_id() makes them: "20260504-123000-abcdefgh".
+bool is_own_id(std::string_view id) {
+  constexpr std::string_view kForm = "dddddddd-dddddd-";
+  if (id.size() != kForm.size() + kRandomLetters) return false;
+  for (std::size_t i = 0; i < kForm.size(); ++i)
+    if (kForm[i] == '-' ? id[i] != '-' : id[i] < '0' || id[i] > '9') return false;
+  return id.find_first_not_of(kLetters, kForm.size()) == std::string_view::npos;
+}
+
+// "ID" of ".ID.part" and ".ID.gone", "" for other names. Only sessions made here are ever in ".ID.part": the folder
+// may be a user's own, with the half of a download in it. Sessions from elsewhere may be in ".ID.gone".
 std::string unfinished_id(const std::string& name) {
   constexpr std::size_t kEndBytes = 5;
   if (name.size() <= 1 + kEndBytes || name[0] != '.') return "";
   const std::string end = name.substr(name.size() - kEndBytes);
-  if (end != ".part" && end != ".gone") return "";
   const std::string id = name.substr(1, name.size() - 1 - kEndBytes);
-  return is_id(id) ? id : "";
+  return (end == ".part" && is_own_id(id)) || (end == ".gone" && is_id(id)) ? id : "";
 }
 
 // What a program that was killed has left: its lock is free. The caller holds the root's.

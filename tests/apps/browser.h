@@ -94,7 +94,7 @@ class Browser {
   void show_tab(const std::string& tab) { ask(session_ + "/window", {{"handle", tab}}); }
   // Until the script says true.
   bool wait_for(const std::string& script) {
-    for (const auto end = Clock::now() + kPatience; Clock::now() < end;) {
+    for (const auto end = Clock::now() + kPatience; Clock::now() < end && !lost_;) {
       if (run(script) == true) return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
@@ -119,13 +119,17 @@ class Browser {
     return out;
   }
   nlohmann::json get(const std::string& path) {
+    if (lost_) return nullptr;
     const auto answer = client_->Get(path);
+    lost_ = !answer;
     EXPECT_TRUE(answer && answer->status == 200) << path;
     return answer ? nlohmann::json::parse(answer->body, nullptr, false).value("value", nlohmann::json()) : nullptr;
   }
   // Of the answer its value; null for none.
   nlohmann::json ask(const std::string& path, const nlohmann::json& body) {
+    if (lost_) return nullptr;
     const auto answer = client_->Post(path, body.dump(), "application/json");
+    lost_ = !answer;
     EXPECT_TRUE(answer) << path;
     if (!answer) return nullptr;
     EXPECT_EQ(answer->status, 200) << path << " " << answer->body.substr(0, 500);
@@ -136,6 +140,8 @@ class Browser {
   std::string profile_;
   std::unique_ptr<httplib::Client> client_;
   std::string session_;
+  // It did not answer for a minute. Nothing more is asked: tests that wait for it would take that minute each time.
+  bool lost_ = false;
 };
 
 // axe-core's rules for WCAG 2.1 A and AA and its best practices, on a page in a browser. scripts/page-check fetches

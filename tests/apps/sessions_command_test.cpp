@@ -4,6 +4,7 @@
 
 #include "apps/sessions/store.h"
 #include "measured_clip.h"
+#include "sessions/a_record.h"
 
 namespace im2fit {
 namespace {
@@ -92,6 +93,31 @@ TEST_F(SessionsCommand, MeasuresAgainBesideAResultThatIsNestedTooDeep) {
   const Json both = Json::parse(run.out, nullptr, false);
   EXPECT_TRUE(both["then"].is_null());
   EXPECT_GT(both["now"]["measurements"].size(), 5U);
+}
+
+// A field from elsewhere with control sequences of one character (U+009B is "escape, bracket").
+TEST(SessionsAsJson, ATerminalGetsEscapesInPlaceOfControlCharacters) {
+  const test::TestFolder folder;
+  sessions::Record record = test::a_record();
+  std::string text = sessions::record_json(record);
+  text.insert(text.find('{') + 1,
+              "\"from_elsewhere\": \"\xC2\x9B"
+              "2J\x7F\xC3\xA9\",");
+  std::filesystem::create_directory(folder.path(record.id));
+  test::write_text(folder.path(record.id + "/session.json"), text);
+  for (const char* command : {"show", "list"}) {
+    std::vector<std::string> words = {test::kProgram, "sessions", command, "--json", "--root", folder.path("")};
+    if (std::string(command) == "show") words.insert(words.begin() + 3, record.id);
+    const test::Run run = test::run_program(words);
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(run.out.find("\xC2\x9B"), std::string::npos) << command;
+    EXPECT_EQ(run.out.find('\x7F'), std::string::npos) << command;
+    const Json json = Json::parse(run.out);
+    EXPECT_EQ((json.is_array() ? json[0] : json)["from_elsewhere"],
+              "\xC2\x9B"
+              "2J\x7F\xC3\xA9")
+        << "the same text";
+  }
 }
 
 TEST_F(SessionsCommand, ADamagedOneIsNamedAndTheOthersAreListed) {

@@ -220,7 +220,7 @@ std::string manifest_json(const PackManifest& manifest) {
       {"schema", kSchema},           {"version", manifest.version},       {"made_by", manifest.made_by},
       {"source", manifest.source},   {"licence", manifest.licence},       {"people", manifest.people},
       {"clothed", manifest.clothed}, {"provenance", manifest.provenance}, {"files", files}};
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 Result<PackManifest> parse_manifest(const std::string& text, const std::string& what) {

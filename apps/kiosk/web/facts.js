@@ -139,7 +139,7 @@ class Facts {
     const steps = Math.round(this.values[fact] / this.unitOf(fact));
     if (fact === 'age') return this.texts.years.replace('{n}', words.number(steps, 0));
     if (fact === 'weight') return `${words.number(steps, 0)} ${words.unit('kg')}`;
-    return words.inches ? `${Math.floor(steps / 12)}′ ${steps % 12}″` : `${words.number(steps, 0)} cm`;
+    return words.inches ? `${Math.floor(steps / 12)}′ ${steps % 12}″` : `${words.number(steps, 0)} ${words.unit('mm')}`;
   }
   // As POST /facts takes it.
   given() {

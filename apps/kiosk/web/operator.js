@@ -6,6 +6,7 @@
 const at = (id) => document.getElementById(id);
 const kPollMs = 500;
 const kReplayMs = 100;
+const kStayMs = 60000;  // how often touches are reported: a session ends half an hour after the last
 const kLowPercent = 50;  // a joint that is as likely wrong as right
 const kFormFields = ['person', 'height', 'weight', 'age', 'gender', 'worn_size', 'clothing', 'notes'];
 
@@ -15,7 +16,7 @@ const failures = [];
 for (const kind of ['error', 'unhandledrejection']) {
   window.addEventListener(kind, (e) => failures.push(String(e.message || e.reason)));
 }
-let token = '', form = {tape: []}, state = {phase: 'IDLE', ready: false}, said = '', jobSeen = '';
+let token = '', form = {tape: []}, state = {phase: 'IDLE', ready: false}, said = '', jobSeen = '', unreached = '', erased = '';
 let joints = [], replaying = 0;
 
 // "list.title" of the operator's texts.
@@ -24,12 +25,14 @@ const of = (key) => key.split('.').reduce((table, word) => table && table[word],
 // --- asking
 async function get(path) {
   const answer = await fetch(path);
+  if (answer.status === 401) signedOut();
   if (!answer.ok) throw new Error((await answer.text()).trim());
   return answer;
 }
 async function ask(path, body) {
   const headers = {'Content-Type': 'application/json', 'X-Im2fit-Token': token};
   const answer = await fetch(path, {method: 'POST', headers, body: JSON.stringify(body)});
+  if (answer.status === 401) signedOut();
   if (!answer.ok) throw new Error((await answer.text()).trim());
 }
 // What goes wrong is said; a fault of the network, too.
@@ -140,15 +143,17 @@ function clearForm() {
 // --- what the program says
 function showState() {
   if (!words.table) return;
-  const phase = state.ready ? state.phase : 'WAITING';
+  const phase = !token ? 'SIGNED_OUT' : state.ready ? state.phase : 'WAITING';
   const recording = state.recording || {frames: 0, frames_max: 0, dropped: 0};
   document.body.dataset.phase = phase;
+  if (!token) return;
   const lines = [of(`phases.${phase}`).replace('{n}', recording.frames).replace('{max}', recording.frames_max)];
   if (recording.full && phase === 'RECORDING') lines.push(of('misc.full'));
   if (recording.dropped) lines.push(of('misc.dropped').replace('{n}', recording.dropped));
   if (recording.error) lines.push(recording.error);
   if (state.job && state.job.running) lines.push(of('misc.working'));
-  if (said) lines.push(of('misc.saved').replace('{id}', said));
+  if (state.erased) lines.push(of('misc.erased').replace('{id}', state.erased));
+  else if (said) lines.push(of('misc.saved').replace('{id}', said));
   const text = lines.join(' · ');
   if (at('status').textContent !== text) at('status').textContent = text;
   const busy = Boolean(state.job && state.job.running);
@@ -166,14 +171,19 @@ function jobDone(job) {
   loadSessions();
 }
 async function poll() {
+  if (!token) return;
   try {
     state = await (await get('/operator/state')).json();
-  } catch (error) {
-    state = {phase: 'IDLE', ready: false};
+    if (unreached) at('trouble').textContent = unreached = '';
+  } catch (error) {  // what was there stays: the form and the recording may go on
+    if (token) at('trouble').textContent = unreached = words.say('SERVER_GONE');
+    return;
   }
   const key = state.job ? JSON.stringify([state.job.kind, state.job.id, state.job.error, state.job.running]) : '';
   if (key !== jobSeen && state.job && !state.job.running) jobDone(state.job);
   jobSeen = key;
+  if (state.erased && state.erased !== erased) loadSessions();
+  erased = state.erased;
   showState();
 }
 
@@ -302,6 +312,55 @@ at('add').addEventListener('change', () => {
   if (at('add').value) addReading(at('add').value);
 });
 
+// --- signing in and out. The session is a cookie that scripts cannot read; half an hour without a touch ends it.
+function signedOut() {
+  token = said = jobSeen = '';
+  ++replaying;  // ends a replay
+  sessions = [];
+  state = {phase: 'IDLE', ready: false};
+  clearForm();
+  at('again').hidden = at('comparison').hidden = true;
+  at('comparison').tBodies[0].replaceChildren();
+  showTexts();
+}
+async function enter() {
+  token = await (await get('/operator/token')).text();
+  form = await (await get('/operator/form')).json();
+  at('site').value = form.site;
+  at('trouble').textContent = '';
+  showTexts();
+  await loadSessions();
+  await poll();
+}
+at('sign-in').addEventListener('submit', async (event) => {
+  event.preventDefault();
+  at('trouble').textContent = '';
+  at('enter').disabled = true;
+  try {
+    const answer = await fetch('/operator/sign-in', {method: 'POST', headers: {'Content-Type': 'application/json'},
+      body: JSON.stringify({password: at('password').value})});
+    if (answer.ok) await enter();
+    else at('trouble').textContent = answer.status === 403 ? of('sign_in.wrong') : (await answer.text()).trim();
+  } catch (error) {
+    at('trouble').textContent = words.say('SERVER_GONE');
+  }
+  at('enter').disabled = false;
+  at('password').value = '';
+});
+at('sign-out').addEventListener('click', () => tried(async () => {
+  await ask('/operator/sign-out', {});
+  signedOut();
+  at('password').focus();
+}));
+let stayedAt = Date.now();
+for (const kind of ['pointerdown', 'keydown', 'click']) {
+  window.addEventListener(kind, () => {
+    if (!token || Date.now() - stayedAt < kStayMs) return;
+    stayedAt = Date.now();
+    get('/operator/token').catch(() => null);
+  });
+}
+
 async function start() {
   await words.load();
   at('languages').replaceChildren(...kLanguages.map((language) => {
@@ -312,12 +371,12 @@ async function start() {
     made.lang = language;
     return made;
   }));
-  token = await (await get('/operator/token')).text();
-  form = await (await get('/operator/form')).json();
-  at('site').value = form.site;
   showTexts();
-  await loadSessions();
-  await poll();
+  try {
+    await enter();
+  } catch (error) {  // nobody is signed in
+    at('password').focus();
+  }
   setInterval(poll, kPollMs);
 }
 start();

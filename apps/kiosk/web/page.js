@@ -14,7 +14,10 @@ const kNothingSeen = {state: 'SEARCHING', guidance: [], details: {}, used: 0, ba
 const words = new Words(new URLSearchParams(location.search).get('lang') || navigator.language || 'en');
 const sounds = new Sounds();
 const facts = new Facts(at('facts'), at('told'));
-document.addEventListener('im2fit-result', (event) => facts.measured(event.detail));
+document.addEventListener('im2fit-result', (event) => {
+  facts.measured(event.detail);
+  showPanel();
+});
 document.addEventListener('im2fit-forget', () => facts.forget());
 const mirror = new Mirror(at('sight'));
 const failures = [];  // what went wrong here, for who looks into it
@@ -28,6 +31,7 @@ let result = null;
 let link = 'SERVER_GONE';  // or 'TOO_MANY_SCREENS', or '' while events come
 let trouble = '', camera = '', over = false;
 let offer = null, offerTimer = 0;  // what /hand-over answered
+let panel = 'tryon';               // beside the body: 'tryon', 'phone' or 'figures'
 let stage = null;
 try {
   stage = new Stage(at('canvas'));
@@ -91,36 +95,60 @@ function show() {
   sounds.say(code);
 }
 
+function listItems(texts) {
+  return texts.map((text) => Object.assign(document.createElement('li'), {textContent: text}));
+}
+
 function showTexts() {
   if (!words.table) return;
   document.documentElement.lang = words.language;
   const page = words.table.page;
-  for (const id of ['agree', 'stop', 'delete', 'size-title', 'name-head', 'interval-head']) {
+  for (const id of ['agree', 'stop', 'size-title', 'name-head', 'interval-head']) {
     at(id).textContent = page[id];
   }
   at('consent-title').textContent = words.table.consent.title;
   const points = [...words.table.consent.points, words.table.consent[hello.keeps_files ? 'files' : 'no_files']];
-  at('consent-points').replaceChildren(...points.map((text) => {
-    const item = document.createElement('li');
-    item.textContent = text;
-    return item;
-  }));
+  at('consent-points').replaceChildren(...listItems(points));
   at('sight').setAttribute('aria-label', page.sight);
   at('canvas').setAttribute('aria-label', page.body);
   at('accumulated').setAttribute('aria-label', page.accumulated);
   at('languages').setAttribute('aria-label', page.languages);
+  at('try-on').textContent = words.table.tryon.title;
   at('to-phone').textContent = page.to_phone;
   at('to-phone').hidden = !hello.hands_over;
+  at('open-figures').textContent = page.figures;
+  at('more').textContent = page.more_time;
   showCode();
   at('sound').textContent = sounds.on ? page.sound_on : page.sound_off;
   at('sound').setAttribute('aria-pressed', String(sounds.on));
   for (const button of at('languages').children) {
     button.setAttribute('aria-current', String(button.lang === words.language));
   }
+  showRecorded();
   fitting.draw();
   facts.draw();
   showResult();
   show();
+}
+
+// A visit that an operator records: the person is told on every screen, with the text they agreed to, which is open
+// while they are recorded. What a press of Delete left is told as well.
+let notDeleted = false;
+function showRecorded() {
+  if (!words.table) return;
+  const recorded = Boolean(visit && visit.recorded), ended = recorded && visit.state === 'RESULT';
+  const box = at('recorded'), consent = words.table.operator.consent;
+  if (box.dataset.state !== `${recorded} ${ended}`) {
+    box.hidden = !recorded;
+    box.open = recorded && !ended;
+    box.dataset.state = `${recorded} ${ended}`;
+  }
+  at('recorded-words').textContent = words.of(ended ? 'recorded' : 'recording');
+  at('recorded-title').textContent = consent.title;
+  at('recorded-points').replaceChildren(...listItems(consent.points));
+  at('delete').textContent = words.of(recorded ? 'delete_recording' : 'delete');
+  at('not-deleted').hidden = !notDeleted;
+  at('not-deleted').textContent = notDeleted ? words.of('not_deleted') : '';
 }
 
 function showSize() {
@@ -152,9 +180,21 @@ function showResult() {
   at('others').textContent = notes.join(' ');
 }
 
+// One thing beside the body: trying on, the phone's code or the figures.
+function showPanel() {
+  const wears = fitting.fits.length > 0;
+  if (panel === 'phone' && !offer) panel = 'tryon';
+  const shown = panel === 'tryon' && !wears ? 'figures' : panel;
+  at('try-on').hidden = !wears;
+  for (const [id, button] of [['tryon', 'try-on'], ['phone', 'to-phone'], ['figures', 'open-figures']]) {
+    at(id).hidden = id !== shown;
+    at(button).setAttribute('aria-expanded', String(id === shown));
+  }
+}
+
 // The code by which a phone takes the result, while it holds.
 function showCode() {
-  at('phone').hidden = !offer;
+  showPanel();
   if (!offer) return;
   const svg = at('code'), margin = 4;  // as readers need it
   svg.setAttribute('viewBox', `${-margin} ${-margin} ${offer.side + 2 * margin} ${offer.side + 2 * margin}`);
@@ -177,10 +217,9 @@ function forget() {
   result = null;
   seen = {...kNothingSeen};
   mirror.clear();
-  if (stage) {
-    stage.removeAvatar();
-    stage.setJoints(null);
-  }
+  if (stage) stage.removeAvatar();
+  panel = 'tryon';
+  delete document.body.dataset.near;
   delete document.body.dataset.avatar;
   for (const id of ['size', 'others', 'left']) at(id).replaceChildren();
   at('values').tBodies[0].replaceChildren();
@@ -197,7 +236,6 @@ const on = {
     boot = event.boot;
     hello = event;
     mirror.setBones(event.bones, event.joints);
-    if (stage) stage.setBones(event.bones, event.joints);
     camera = '';
     over = false;
     showTexts();
@@ -212,6 +250,8 @@ const on = {
     }
     const tells = event.state === 'FACTS' && (!visit || visit.state !== 'FACTS');
     visit = event;
+    if (event.state !== 'ASKING') notDeleted = false;
+    showRecorded();
     document.body.dataset.visit = event.id;
     if (!tells) return;
     facts.draw();
@@ -219,8 +259,9 @@ const on = {
     facts.focus();
   },
   beat(event) {
-    const text = visit && visit.state === 'RESULT' && words.table ? words.of('left').replace('{s}', event.left_s) : '';
-    at('left').textContent = text;
+    const counts = visit && visit.state === 'RESULT' && words.table;
+    // Of who is recorded only the screen is cleared: nothing says that the recording goes.
+    at('left').textContent = counts ? words.of(visit.recorded ? 'left_recorded' : 'left').replace('{s}', event.left_s) : '';
   },
   trouble(event) { trouble = event.code; },
   state(event) {
@@ -234,9 +275,7 @@ const on = {
     seen.back = event.frames_back;
     turned(event.turned_deg);
     mirror.setJoints(event.pixels, codeNow());
-    if (!stage) return;
-    stage.setJoints(event.joints);
-    if (event.rotations) stage.pose(event.root, event.rotations);
+    if (stage && event.rotations) stage.pose(event.root, event.rotations);
   },
   picture(event) {
     if (visit && visit.state === 'MEASURING') mirror.load(event.number);
@@ -256,9 +295,6 @@ const on = {
   },
   tryon(event) { fitting.ready(event); },
   cloth() { clothLink.fetch(); },
-  left() {
-    if (stage) stage.setJoints(null);
-  },
   camera(event) { camera = event.state === 'PRESENT' ? '' : 'CAMERA_LOST'; },
   end() {
     over = true;
@@ -273,6 +309,7 @@ function lose(why) {
   link = why;
   visit = null;
   forget();
+  showRecorded();
   show();
 }
 function connect() {
@@ -305,12 +342,12 @@ setInterval(() => {
 
 // --- what people do
 async function ask(action, note = '') {
-  if (!visit) return;
+  if (!visit) return null;
   const headers = {'X-Im2fit-Visit': visit.id, 'X-Im2fit-Note': note};
   try {
-    await fetch(`/${action}`, {method: 'POST', headers});
+    return await fetch(`/${action}`, {method: 'POST', headers});
   } catch (error) {
-    // The stream says that the program has gone.
+    return null;  // the stream says that the program has gone
   }
 }
 at('to-phone').addEventListener('click', async () => {
@@ -322,14 +359,23 @@ at('to-phone').addEventListener('click', async () => {
   if (!given || !visit || visit.id !== whose.id) return;  // over meanwhile
   endOffer();
   offer = given;
+  panel = 'phone';
   offerTimer = setTimeout(endOffer, 1000 * given.left_s);
   showCode();
-  at('phone').scrollIntoView({block: 'nearest'});
 });
+for (const [id, shown] of [['try-on', 'tryon'], ['open-figures', 'figures']]) {
+  at(id).addEventListener('click', () => {
+    panel = shown;
+    showPanel();
+  });
+}
+at('more').addEventListener('click', () => ask('touch'));
 let touchedAt = 0;
-for (const kind of ['pointerdown', 'keydown', 'wheel']) {
+for (const kind of ['pointerdown', 'keydown', 'wheel', 'click']) {
   window.addEventListener(kind, () => {
     sounds.unlock();
+    // Who touches the result stands before it: "come here" no longer has to be read from afar.
+    if (document.body.dataset.stage === 'result') document.body.dataset.near = 'true';
     if (Date.now() - touchedAt < kTouchMs) return;
     touchedAt = Date.now();
     ask('touch');
@@ -340,9 +386,12 @@ at('agree').addEventListener('click', () => {
   ask('consent', `${words.language}-${words.table.consent.version}`);
 });
 for (const id of ['delete', 'stop']) {
-  at(id).addEventListener('click', () => {
-    ask('delete');
+  at(id).addEventListener('click', async () => {
+    const asked = ask('delete');
     forget();
+    const answer = await asked;
+    notDeleted = Boolean(answer) && answer.status === 500;
+    showRecorded();
   });
 }
 at('unit').addEventListener('click', () => {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The 3D view: the skeleton of who is seen and, once measured, their dressed body, which follows it. Metres, +y up,
-// floor at y = 0, the camera that measures in the direction of +z.
+// The 3D view: the dressed body of who was measured, which follows them. Metres, +y up, floor at y = 0, the camera that
+// measures in the direction of +z.
 'use strict';
+
+const kShare = 0.88;       // of the view's height that the body has
+const kElbowRoomM = 0.95;  // that has to be in view across, with the arms
 
 class Stage {
   // Throws where the browser has no WebGL.
@@ -27,7 +30,7 @@ class Stage {
     grid.material.transparent = true;
     grid.material.opacity = 0.35;
     this.scene.add(grid);
-    this.lines = null;
+    this.heightM = 0;  // of the body in view; 0: not yet framed
     this.avatar = null;
     this.cloth = null;  // of the avatar, where it moves
     this.avatarsRequested = 0;
@@ -39,44 +42,6 @@ class Stage {
     this.requestDraw();
   }
 
-  // `bones`: [from, to, whose colour] of the joints' numbers.
-  setBones(bones, jointNames) {
-    if (this.lines) this.scene.remove(this.lines);
-    this.bones = bones;
-    const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(bones.length * 6), 3));
-    const colours = new Float32Array(bones.length * 6);
-    bones.forEach(([, , like], i) => {
-      const name = jointNames[like];
-      const of = {L: 0xe8842c, R: 0x9a5fd0}[name[0]] || 0x3aa0c8;  // as in the camera's picture
-      const colour = new THREE.Color(of);
-      for (const end of [0, 1]) colour.toArray(colours, i * 6 + end * 3);
-    });
-    geometry.setAttribute('color', new THREE.BufferAttribute(colours, 3));
-    // Seen through the body.
-    const material = new THREE.LineBasicMaterial({vertexColors: THREE.VertexColors, depthTest: false,
-                                                  transparent: true});
-    this.lines = new THREE.LineSegments(geometry, material);
-    this.lines.frustumCulled = false;
-    this.lines.renderOrder = 1;
-    this.lines.visible = false;
-    this.scene.add(this.lines);
-  }
-
-  setJoints(joints) {
-    if (!this.lines) return;
-    this.lines.visible = Boolean(joints);
-    if (joints) {
-      const position = this.lines.geometry.attributes.position;
-      this.bones.forEach(([from, to], i) => {
-        position.setXYZ(2 * i, ...joints[from]);
-        position.setXYZ(2 * i + 1, ...joints[to]);
-      });
-      position.needsUpdate = true;
-    }
-    this.requestDraw();
-  }
-
   // Resolves to whether it is on the stage: not when another was requested, or none, meanwhile.
   loadAvatar(url, segments) {
     const request = ++this.avatarsRequested;
@@ -85,15 +50,35 @@ class Stage {
         resolve(false);
         return;
       }
-      this.removeAvatar();
-      this.avatar = gltf.scene;
-      this.avatar.traverse((o) => { o.frustumCulled = false; });  // bones move it out of the box it was made in
-      this.nodes = segments.map((name) => this.avatar.getObjectByName(name));
-      this.cloth = new MovingCloth(this.avatar);
-      this.scene.add(this.avatar);
-      this.requestDraw();
+      this.stand(gltf.scene, segments);
       resolve(true);
     }, undefined, reject));
+  }
+
+  stand(body, segments) {
+    this.removeAvatar();
+    this.avatar = body;
+    this.avatar.traverse((o) => { o.frustumCulled = false; });  // bones move it out of the box it was made in
+    this.nodes = segments.map((name) => this.avatar.getObjectByName(name));
+    this.cloth = new MovingCloth(this.avatar);
+    this.scene.add(this.avatar);
+    const box = new THREE.Box3().setFromObject(this.avatar);
+    const heightM = box.max.y - box.min.y;
+    // Other clothes on the same body leave the view as the person has turned it.
+    if (Math.abs(heightM - this.heightM) > 0.02) this.frame(heightM);
+    this.requestDraw();
+  }
+
+  // From where it looks, so far that the body fills the view.
+  frame(heightM) {
+    this.heightM = heightM;
+    if (!(heightM > 0)) return;
+    const slope = Math.tan(this.camera.fov / 2 * Math.PI / 180);
+    const distance = Math.max(heightM / kShare, kElbowRoomM / this.camera.aspect) / (2 * slope);
+    const from = this.camera.position.clone().sub(this.orbit.target).setLength(distance);
+    this.orbit.target.y = heightM / 2;
+    this.camera.position.copy(this.orbit.target).add(from);
+    this.orbit.update();
   }
 
   removeAvatar() {
@@ -130,6 +115,11 @@ class Stage {
     if (!this.wanted) return;
     const share = this.still.matches ? 1 : 0.35;
     this.nodes[0].position.lerp(this.wanted.root, share);
+    // The view goes along, so that nobody walks out of it.
+    const {x, z} = this.nodes[0].position, target = this.orbit.target;
+    const along = new THREE.Vector3(x - target.x, 0, z - target.z);
+    target.add(along);
+    this.camera.position.add(along);
     let left = this.nodes[0].position.distanceTo(this.wanted.root);
     this.wanted.rotations.forEach((q, i) => {
       this.nodes[i].quaternion.slerp(q, share);
@@ -146,6 +136,7 @@ class Stage {
       this.renderer.setSize(width, height, false);
       this.camera.aspect = width / height;
       this.camera.updateProjectionMatrix();
+      this.frame(this.heightM);
     }
     this.glide();
     if (this.cloth && this.cloth.advance(performance.now(), this.still.matches)) this.requestDraw();

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Trying clothes on: which garments and sizes, bare or dressed, the map of ease. `fit` of result.json says how each
-// size sits; /tryon.glb is the body in it (docs/page.md).
+// size sits, which is told in one sentence; /tryon.glb is the body in it (docs/page.md).
 'use strict';
 
 const kTops = ['t_shirt', 'long_sleeved_shirt', 'dress'];  // what hangs from the shoulders; the rest from the waist
 
 class Fitting {
-  constructor(root) {
+  // `view`: where the switches of the picture stand.
+  constructor(root, view) {
     this.root = root;
+    this.view = view;
+    this.part = 'top';  // the one that is chosen now
     this.visit = '';
     this.fits = [];
     this.worn = {top: null, bottom: null};  // {garment, size}
@@ -33,8 +36,10 @@ class Fitting {
       const fit = this.fit(id);
       this.worn[part] = fit ? {garment: id, size: fit.best} : null;
     }
-    this.root.hidden = this.fits.length === 0;
+    this.part = this.worn.top || !this.worn.bottom ? 'top' : 'bottom';
+    this.below = null;
     this.draw();
+    showPanel();
   }
 
   forget() {
@@ -42,8 +47,9 @@ class Fitting {
     this.visit = '';
     this.fits = [];
     this.asked = this.shown = null;
-    this.root.hidden = true;
     this.root.replaceChildren();
+    this.view.replaceChildren();
+    showPanel();
   }
 
   query() {
@@ -134,18 +140,26 @@ class Fitting {
 
   draw() {
     this.root.replaceChildren();
+    this.view.replaceChildren();
     if (this.fits.length === 0 || !words.table) return;
-    this.element('h2', this.texts.title, this.root);
-    const switches = this.element('div', '', this.root, {className: 'row'});
-    this.button(this.texts.bare, this.bare, switches, () => { this.bare = !this.bare; this.changed(); }).id = 'fitting-bare';
-    const ease = this.button(this.texts.ease, this.ease, switches, () => { this.ease = !this.ease; this.changed(); });
+    this.root.setAttribute('aria-label', this.texts.title);
+    this.view.setAttribute('aria-label', words.of('body'));
+    this.button(this.texts.bare, this.bare, this.view, () => { this.bare = !this.bare; this.changed(); }).id = 'fitting-bare';
+    const ease = this.button(this.texts.ease, this.ease, this.view, () => { this.ease = !this.ease; this.changed(); });
     ease.id = 'fitting-ease';
     ease.disabled = this.bare;
-    if (this.ease && !this.bare) this.drawLegend(switches);
+    if (this.ease && !this.bare) this.drawLegend(this.view);
+    const parts = this.element('div', '', this.root, {className: 'row parts'});
+    for (const part of ['top', 'bottom']) {
+      const tab = this.button(this.texts[part], this.part === part, parts, () => {
+        this.part = part;
+        this.draw();
+      });
+      tab.dataset.part = part;
+    }
+    this.drawPart(this.part, this.root);
     this.element('p', '', this.root, {id: 'fitting-status'}).setAttribute('role', 'status');
     this.drawStatus();
-    const parts = this.element('div', '', this.root, {className: 'parts'});
-    for (const part of ['top', 'bottom']) this.drawPart(part, parts);
   }
 
   drawStatus() {
@@ -160,21 +174,45 @@ class Fitting {
     this.texts.legend.forEach((words, i) => this.element('span', words, legend, {className: ['tight', 'good', 'loose'][i]}));
   }
 
+  wear(part, garment) {
+    const before = this.worn[part];
+    this.worn[part] = garment ? {garment, size: this.fit(garment).best} : null;
+    if (part === 'top') {  // a dress takes the place of both; after it trousers come back
+      if (garment === 'dress' && this.worn.bottom) [this.below, this.worn.bottom] = [this.worn.bottom, null];
+      else if (before && before.garment === 'dress' && !this.worn.bottom) this.worn.bottom = this.below;
+    }
+    this.bare = false;
+    this.changed();
+  }
+
   drawPart(part, parent) {
     const box = this.element('div', '', parent, {className: 'part', id: `fitting-${part}`});
-    const garments = this.element('div', '', box, {className: 'row'});
-    this.element('h3', this.texts[part], garments);
+    const garments = this.element('div', '', box, {className: 'row garments'});
     const worn = this.worn[part];
     for (const {garment} of this.fits.filter((f) => kTops.includes(f.garment) === (part === 'top'))) {
-      this.button(this.texts.garments[garment] || garment, Boolean(worn) && worn.garment === garment, garments, () => {
-        this.worn[part] = {garment, size: this.fit(garment).best};
-        if (garment === 'dress') this.worn.bottom = null;
-        this.bare = false;
-        this.changed();
-      }).dataset.garment = garment;
+      const press = () => this.wear(part, garment);
+      this.button(this.texts.garments[garment] || garment, Boolean(worn) && worn.garment === garment, garments,
+                  press).dataset.garment = garment;
     }
-    this.button(this.texts.none, !worn, garments, () => { this.worn[part] = null; this.changed(); });
+    this.button(this.texts.none, !worn, garments, () => this.wear(part, null));
     if (worn) this.drawSizes(part, this.fit(worn.garment), box);
+  }
+
+  // What a size is like, and why: "a bit tight at the waist".
+  sentence(regions) {
+    const like = (verdict) => {
+      const where = Object.keys(regions).filter((r) => regions[r].verdict === verdict)
+        .map((r) => this.texts.regions[r] || r);
+      const list = new Intl.ListFormat(words.language, {type: 'conjunction'}).format(where);
+      return where.length ? this.texts.verdicts[verdict].replace('{where}', list) : '';
+    };
+    const tight = like('tight') || like('snug');  // what is too tight says enough
+    const found = [tight, like('loose')].filter((text) => text);
+    return found.join(', ') || this.texts.verdicts.good;
+  }
+  static worst(regions) {
+    const verdicts = Object.values(regions).map((r) => r.verdict);
+    return ['tight', 'loose', 'snug'].find((v) => verdicts.includes(v)) || 'good';
   }
 
   drawSizes(part, fit, box) {
@@ -183,26 +221,23 @@ class Fitting {
     // From small to large: names do not tell.
     const sum = (regions) => Object.values(regions).reduce((all, r) => all + r.ease_mm, 0);
     for (const [size, regions] of Object.entries(fit.sizes).sort((a, b) => sum(a[1]) - sum(b[1]))) {
-      const verdicts = Object.values(regions).map((r) => r.verdict);
-      const worst = ['tight', 'loose', 'snug'].find((v) => verdicts.includes(v)) || 'good';
       const chip = this.button(size, size === worn.size, sizes, () => {
         worn.size = size;
         this.bare = false;
         this.changed();
       });
-      chip.classList.add(worst);
+      chip.classList.add(Fitting.worst(regions));
       chip.dataset.size = size;
-      if (size === fit.best) this.element('small', ` ${fit.fits ? this.texts.best : this.texts.closest}`, chip);
+      chip.setAttribute('aria-label', this.texts.verdict.replace('{size}', size).replace('{how}', this.sentence(regions)));
+      if (size === fit.best) chip.classList.add('best');
     }
-    const list = this.element('div', '', box, {className: 'regions'});
-    for (const [region, {ease_mm: ease, interval, verdict}] of Object.entries(fit.sizes[worn.size])) {
-      this.element('span', this.texts.regions[region] || region, list);
-      this.element('span', `${Math.round(ease)} ± ${Math.round((interval[1] - interval[0]) / 2)} mm`, list,
-                   {className: 'ease'});
-      this.element('span', this.texts.verdicts[verdict], list, {className: `verdict ${verdict}`});
-    }
+    const regions = fit.sizes[worn.size], best = worn.size === fit.best;
+    const size = best ? this.texts.best_of.replace('{size}', worn.size)
+      .replace('{why}', fit.fits ? this.texts.best : this.texts.closest) : worn.size;
+    const text = this.texts.verdict.replace('{size}', size).replace('{how}', this.sentence(regions));
+    this.element('p', text, box, {className: `verdict ${Fitting.worst(regions)}`});
   }
 }
-const fitting = new Fitting(document.getElementById('tryon'));
+const fitting = new Fitting(document.getElementById('tryon'), document.getElementById('view'));
 document.addEventListener('im2fit-result', (event) => fitting.measured(event.detail, visit.id));
 document.addEventListener('im2fit-forget', () => fitting.forget());

@@ -47,8 +47,8 @@ class Words {
   }
   percent(share) { return new Intl.NumberFormat(this.language, {style: 'percent'}).format(share); }
   unit(unit) {
-    if (unit === 'kg') return this.inches ? 'lb' : 'kg';
-    return this.inches ? 'in' : 'cm';
+    const short = unit === 'kg' ? (this.inches ? 'lb' : 'kg') : this.inches ? 'in' : 'cm';
+    return this.table.units[short];
   }
   // A value of result.json (mm or kg) as people write it, without its unit.
   value(value, unit) {

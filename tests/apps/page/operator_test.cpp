@@ -9,6 +9,7 @@
 #include <fstream>
 #include <memory>
 #include <mutex>
+#include <thread>
 
 #include "apps/kiosk/operator_gate.h"
 #include "apps/kiosk/page_server.h"
@@ -23,9 +24,9 @@ constexpr const char* kJson = "application/json";
 
 class Operator : public testing::Test {
  protected:
-  void serve(const std::string& password) {
+  void SetUp() override {
     PageHandlers handlers;
-    handlers.operator_password = password;
+    handlers.operator_password = kPassword;
     handlers.operate = [this](const PageRequest& request) {
       const std::lock_guard lock(mutex_);
       asked_.push_back(std::string(request.post ? "POST " : "GET ") + std::string(request.path));
@@ -37,20 +38,28 @@ class Operator : public testing::Test {
     server_ = std::move(*server);
     url_ = server_->url().substr(0, server_->url().size() - 1);
   }
-  httplib::Client client(const std::string& password = "") const {
+  httplib::Client client(const std::string& cookie = "") const {
     httplib::Client c(url_);
     c.set_read_timeout(20);
-    if (!password.empty()) c.set_basic_auth("operator", password);
+    if (!cookie.empty()) c.set_default_headers({{"Cookie", cookie}});
     return c;
   }
-  std::string token(const std::string& password = "") const {
-    const auto answer = client(password).Get("/operator/token");
-    return answer ? answer->body : "";
+  httplib::Result sign_in(const std::string& password) const {
+    return client().Post("/operator/sign-in", {{"Origin", url_}}, "{\"password\": \"" + password + "\"}", kJson);
+  }
+  // "im2fit_operator=..."; "": the password is wrong.
+  std::string cookie(const std::string& password = kPassword) const {
+    const auto answer = sign_in(password);
+    const std::string set = answer && answer->status == 200 ? answer->get_header_value("Set-Cookie") : "";
+    return set.substr(0, set.find(';'));
   }
   // As the operator's page posts.
-  Headers own() const { return {{"Origin", url_}, {"X-Im2fit-Token", token()}}; }
-  int post(const Headers& headers, const std::string& body = "{}", const char* type = kJson) const {
-    const auto answer = client().Post("/operator/save", headers, body, type);
+  Headers own(const std::string& cookie) const {
+    return {{"Origin", url_}, {"X-Im2fit-Token", client(cookie).Get("/operator/token")->body}};
+  }
+  int post(const std::string& cookie, const Headers& headers, const std::string& body = "{}",
+           const char* type = kJson) const {
+    const auto answer = client(cookie).Post("/operator/save", headers, body, type);
     return answer ? answer->status : 0;
   }
   Board board_;
@@ -71,81 +80,142 @@ TEST_F(Operator, WithoutOneThereIsNothing) {
 }
 
 TEST_F(Operator, NothingIsToldOrDoneWithoutThePassword) {
-  ASSERT_NO_FATAL_FAILURE(serve(kPassword));
-  for (const char* path : {"/operator", "/operator/token", "/operator/state", "/operator/../operator/state"}) {
-    const auto answer = client().Get(path);
-    ASSERT_TRUE(answer) << path;
-    EXPECT_NE(answer->status, 200) << path;
+  for (const std::string& cookie : {std::string(), std::string("im2fit_operator="), std::string("im2fit_operator=x"),
+                                    "im2fit_operator=" + std::string(32, '0')}) {
+    for (const char* path : {"/operator/token", "/operator/state", "/operator/../operator/state", "/operator/x"}) {
+      const auto answer = client(cookie).Get(path);
+      ASSERT_TRUE(answer) << path;
+      EXPECT_NE(answer->status, 200) << path;
+    }
+    const auto asked = client(cookie).Get("/operator/state");
+    EXPECT_EQ(asked->status, 401);
+    EXPECT_THAT(asked->get_header_value("WWW-Authenticate"), testing::Not(testing::HasSubstr("Basic")))
+        << "the browser would keep it";
+    EXPECT_EQ(client(cookie).Post("/operator/save", {{"Origin", url_}}, "{}", kJson)->status, 401);
   }
-  const auto asked = client().Get("/operator");
-  EXPECT_EQ(asked->status, 401);
-  EXPECT_THAT(asked->get_header_value("WWW-Authenticate"), testing::HasSubstr("Basic realm="));
-  EXPECT_EQ(client().Post("/operator/save", {{"Origin", url_}}, "{}", kJson)->status, 401);
+  httplib::Client basic = client();
+  basic.set_basic_auth("operator", kPassword);
+  EXPECT_EQ(basic.Get("/operator/state")->status, 401);
   EXPECT_THAT(asked_, testing::IsEmpty());
-  EXPECT_EQ(client(kPassword).Get("/operator")->status, 200);
-  EXPECT_EQ(client(kPassword).Get("/operator/state")->body, "operated\n");
+  EXPECT_THAT(client().Get("/operator")->body, testing::HasSubstr("id=\"password\"")) << "where one signs in";
+  const std::string good = cookie();
+  EXPECT_EQ(client(good).Get("/operator/state")->body, "operated\n");
+  EXPECT_EQ(client("a=b; " + good).Get("/operator/state")->status, 200);
   EXPECT_EQ(client().Get("/")->status, 200) << "a customer's page needs none";
 }
 
-TEST_F(Operator, WrongPasswordsAreFewASecond) {
-  ASSERT_NO_FATAL_FAILURE(serve(kPassword));
-  int refused = 0, too_many = 0;
-  for (const char* wrong : {"correct horse batterx", "correct horse batter", "correct horse battery ", "x",
-                            "operator", "correct horse", "Correct horse battery", "y", "z"}) {
-    const int status = client(wrong).Get("/operator/state")->status;
-    refused += status == 401;
-    too_many += status == 429;
-  }
-  EXPECT_EQ(refused + too_many, 9);
-  EXPECT_GE(too_many, 1);
-  EXPECT_THAT(asked_, testing::IsEmpty());
-  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
-  EXPECT_EQ(client(kPassword).Get("/operator/state")->status, 200);
+TEST_F(Operator, IsNotServedWithoutAPassword) {
+  PageHandlers handlers;
+  handlers.operate = [](const PageRequest&) { return PageAnswer{}; };
+  EXPECT_FALSE(PageServer::open({"127.0.0.1", 0}, board_, std::move(handlers)));
+}
+
+TEST_F(Operator, TheSessionIsACookieThatNoScriptAndNoOtherSiteGetsAndSigningOutEndsIt) {
+  const auto answer = sign_in(kPassword);
+  ASSERT_EQ(answer->status, 200);
+  const std::string set = answer->get_header_value("Set-Cookie");
+  for (const char* part : {"; Path=/operator", "; HttpOnly", "; SameSite=Strict"})
+    EXPECT_THAT(set, testing::HasSubstr(part));
+  EXPECT_THAT(set, testing::Not(testing::HasSubstr("Max-Age"))) << "it goes with the browser";
+  const std::string mine = set.substr(0, set.find(';')), other = cookie();
+  EXPECT_NE(mine, other);
+  const Headers of_mine = own(mine);
+  EXPECT_EQ(post(other, of_mine), 403) << "the token of another session";
+  EXPECT_EQ(client(mine).Post("/operator/sign-out", {{"Origin", url_}}, "{}", kJson)->status, 403);
+  EXPECT_EQ(client(mine).Post("/operator/sign-out", of_mine, "{}", kJson)->status, 200);
+  EXPECT_EQ(client(mine).Get("/operator/state")->status, 401);
+  EXPECT_EQ(post(mine, of_mine), 401);
+  EXPECT_EQ(client(other).Get("/operator/state")->status, 200);
+}
+
+TEST_F(Operator, SigningInIsForThePageItselfAndInJson) {
+  const std::string body = std::string(R"({"password": ")") + kPassword + "\"}";
+  const auto status = [&](const Headers& headers, const std::string& text, const char* type) {
+    return client().Post("/operator/sign-in", headers, text, type)->status;
+  };
+  EXPECT_EQ(status({}, body, kJson), 403) << "no Origin";
+  EXPECT_EQ(status({{"Origin", "http://shop.example"}}, body, kJson), 403);
+  EXPECT_EQ(status({{"Origin", url_}}, body, "text/plain"), 415);
+  EXPECT_EQ(status({{"Origin", url_}}, "[]", kJson), 403);
+  EXPECT_EQ(status({{"Origin", url_}}, R"({"password": 7})", kJson), 403);
+  EXPECT_EQ(status({{"Origin", url_}}, R"({"password": ""})", kJson), 403);
+  EXPECT_EQ(status({{"Origin", url_}}, body, kJson), 200);
+}
+
+// Somebody at the same address guesses without a pause: the operator goes on, may sign in, and guessing is slow.
+TEST_F(Operator, IsNeverLockedOutByWrongPasswords) {
+  const std::string before = cookie();
+  std::atomic<bool> over{false};
+  std::atomic<int> guesses{0};
+  std::thread brute([&] {
+    for (; !over; ++guesses) EXPECT_EQ(sign_in("not the password at all")->status, 403);
+  });
+  while (guesses <= OperatorGate::kWrongMax) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  const auto start = std::chrono::steady_clock::now();
+  const int known = guesses;
+  for (int i = 0; i < 50; ++i) EXPECT_EQ(client(before).Get("/operator/state")->status, 200);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(900)) << "who is signed in waits not";
+  EXPECT_NE(cookie(), "") << "the right password is always served";
+  EXPECT_NE(cookie(), "");
+  const auto took = std::chrono::steady_clock::now() - start;
+  over = true;
+  brute.join();
+  EXPECT_LE(guesses - known, took / OperatorGate::kSlowness + 2);
+}
+
+TEST_F(Operator, ADelayedAnswerDoesNotHoldUpTheEnd) {
+  for (int i = 0; i < OperatorGate::kWrongMax; ++i) sign_in("wrong");
+  std::thread waiting([&] { sign_in("wrong"); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  const auto start = std::chrono::steady_clock::now();
+  server_.reset();
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(700));
+  waiting.join();
 }
 
 TEST_F(Operator, OnlyItsOwnPagePosts) {
-  ASSERT_NO_FATAL_FAILURE(serve(""));
-  const std::string good = token();
+  const std::string me = cookie(), good = client(me).Get("/operator/token")->body;
   EXPECT_EQ(good.size(), 32U);
-  EXPECT_EQ(post({{"X-Im2fit-Token", good}}), 403) << "no Origin";
-  EXPECT_EQ(post({{"Origin", url_}}), 403) << "no token";
-  EXPECT_EQ(post({{"Origin", url_}, {"X-Im2fit-Token", std::string(32, '0')}}), 403);
-  EXPECT_EQ(post({{"Origin", url_}, {"X-Im2fit-Token", good.substr(1)}}), 403);
-  EXPECT_EQ(post({{"Origin", url_}, {"X-Im2fit-Token", ""}}), 403);
-  EXPECT_EQ(post({{"Origin", url_}, {"X-Im2fit-Token", good}, {"X-Im2fit-Token", good}}), 403) << "two of them";
-  EXPECT_EQ(post({{"Origin", "http://shop.example"}, {"X-Im2fit-Token", good}}), 403);
-  EXPECT_EQ(post({{"Origin", "null"}, {"X-Im2fit-Token", good}}), 403);
-  EXPECT_EQ(post({{"Origin", url_}, {"X-Im2fit-Token", good}, {"Sec-Fetch-Site", "cross-site"}}), 403);
-  EXPECT_EQ(post({{"Origin", url_}, {"X-Im2fit-Token", good}, {"Host", "shop.example"}}), 403);
-  EXPECT_EQ(post(own(), "a=b", "application/x-www-form-urlencoded"), 415) << "what a form of another site may send";
-  EXPECT_EQ(post(own(), "{}", "text/plain"), 415);
+  EXPECT_EQ(post(me, {{"X-Im2fit-Token", good}}), 403) << "no Origin";
+  EXPECT_EQ(post(me, {{"Origin", url_}}), 403) << "no token";
+  EXPECT_EQ(post(me, {{"Origin", url_}, {"X-Im2fit-Token", std::string(32, '0')}}), 403);
+  EXPECT_EQ(post(me, {{"Origin", url_}, {"X-Im2fit-Token", good.substr(1)}}), 403);
+  EXPECT_EQ(post(me, {{"Origin", url_}, {"X-Im2fit-Token", ""}}), 403);
+  EXPECT_EQ(post(me, {{"Origin", url_}, {"X-Im2fit-Token", good}, {"X-Im2fit-Token", good}}), 403) << "two of them";
+  EXPECT_EQ(post(me, {{"Origin", "http://shop.example"}, {"X-Im2fit-Token", good}}), 403);
+  EXPECT_EQ(post(me, {{"Origin", "null"}, {"X-Im2fit-Token", good}}), 403);
+  EXPECT_EQ(post(me, {{"Origin", url_}, {"X-Im2fit-Token", good}, {"Sec-Fetch-Site", "cross-site"}}), 403);
+  EXPECT_EQ(post(me, {{"Origin", url_}, {"X-Im2fit-Token", good}, {"Host", "shop.example"}}), 403);
+  EXPECT_EQ(post(me, own(me), "a=b", "application/x-www-form-urlencoded"), 415)
+      << "what a form of another site may send";
+  EXPECT_EQ(post(me, own(me), "{}", "text/plain"), 415);
   EXPECT_EQ(client().Delete("/operator/save")->status, 405);
   EXPECT_THAT(asked_, testing::IsEmpty());
-  EXPECT_EQ(post(own(), R"({"a": 1})"), 200);
+  EXPECT_EQ(post(me, own(me), R"({"a": 1})"), 200);
   EXPECT_EQ(body_, R"({"a": 1})");
 }
 
 TEST_F(Operator, ABodyHas64KilobytesAtMost) {
-  ASSERT_NO_FATAL_FAILURE(serve(""));
+  const std::string me = cookie();
   const std::string whole(kBodyBytesMax, 'x');
-  EXPECT_EQ(post(own(), whole), 200);
+  EXPECT_EQ(post(me, own(me), whole), 200);
   EXPECT_EQ(body_, whole);
   asked_.clear();
   // Refused from its length alone; a client that goes on sending may see the connection end instead.
-  const int status = post(own(), whole + "x");
+  const int status = post(me, own(me), whole + "x");
   EXPECT_TRUE(status == 413 || status == 0) << status;
-  Headers chunked = own();
+  Headers chunked = own(me);
   chunked.emplace("Transfer-Encoding", "chunked");
-  const int unmeasured = post(chunked, "2\r\n{}\r\n0\r\n\r\n");
+  const int unmeasured = post(me, chunked, "2\r\n{}\r\n0\r\n\r\n");
   EXPECT_TRUE(unmeasured == 411 || unmeasured == 400 || unmeasured == 0) << unmeasured;
   EXPECT_THAT(asked_, testing::IsEmpty());
-  EXPECT_EQ(post(own()), 200) << "goes on serving";
+  EXPECT_EQ(post(me, own(me)), 200) << "goes on serving";
 }
 
 TEST_F(Operator, OtherPathsStillTakeNoBody) {
-  ASSERT_NO_FATAL_FAILURE(serve(""));
-  EXPECT_EQ(client().Post("/picture.png", own(), "{}", kJson)->status, 405);
-  EXPECT_EQ(client().Post("/operators", own(), "{}", kJson)->status, 405);
+  const std::string me = cookie();
+  EXPECT_EQ(client().Post("/picture.png", own(me), "{}", kJson)->status, 405);
+  EXPECT_EQ(client().Post("/operators", own(me), "{}", kJson)->status, 405);
   EXPECT_THAT(asked_, testing::IsEmpty());
 }
 
@@ -154,7 +224,57 @@ TEST(OperatorGate, SecretsAreComparedWhole) {
   for (const char* other : {"", "a", "abd", "abcabc", "abcd", "xbc"})
     EXPECT_FALSE(same_secret("abc", other)) << other;
   EXPECT_FALSE(same_secret("", ""));
-  EXPECT_NE(OperatorGate("").token(), OperatorGate("").token());
+}
+
+TEST(OperatorGate, LimitsWrongPasswordsByAddress) {
+  OperatorGate gate(kPassword);
+  OperatorGate::Time now{};
+  const auto wait = [&](const std::string& address, const char* password = "wrong") {
+    const OperatorGate::SignIn answer = gate.sign_in(password, address, now);
+    EXPECT_EQ(answer.session.empty(), std::string(password) == "wrong");
+    return answer.wait;
+  };
+  constexpr auto kNone = std::chrono::milliseconds(0);
+  for (int i = 0; i < OperatorGate::kWrongMax; ++i) EXPECT_EQ(wait("10.0.0.1"), kNone);
+  EXPECT_EQ(wait("10.0.0.1"), OperatorGate::kSlowness);
+  EXPECT_EQ(wait("10.0.0.1", kPassword), OperatorGate::kSlowness) << "else a guess that does not wait would tell";
+  EXPECT_EQ(wait("10.0.0.2"), kNone);
+  EXPECT_EQ(wait("10.0.0.2", kPassword), kNone);
+  now += OperatorGate::kWrongWindow;
+  EXPECT_EQ(wait("10.0.0.1"), kNone);
+  for (int i = 0; i < OperatorGate::kWrongMax; ++i) wait("2001:db8:1:2::" + std::to_string(i));
+  EXPECT_EQ(wait("2001:db8:1:2:ffff::9"), OperatorGate::kSlowness) << "one network, one client";
+  EXPECT_EQ(wait("2001:db8:1:3::9"), kNone);
+  EXPECT_EQ(wait("::ffff:10.1.1.1"), kNone);
+  for (std::size_t i = 0; i < 3 * OperatorGate::kAddressesMax; ++i) wait("10.1." + std::to_string(i));
+  EXPECT_EQ(wait("10.3.3.3"), OperatorGate::kSlowness) << "of many addresses the later ones are counted together";
+}
+
+TEST(OperatorGate, ASessionEndsWhenNobodyUsesItAndAfterADay) {
+  OperatorGate gate(kPassword);
+  EXPECT_EQ(OperatorGate("").sign_in("", "a", {}).session, "") << "no password admits nobody";
+  OperatorGate::Time now{};
+  const std::string first = gate.sign_in(kPassword, "a", now).session;
+  const std::string token = gate.token_of(first, true, now);
+  EXPECT_EQ(token.size(), 32U);
+  now += OperatorGate::kIdleMax - std::chrono::seconds(1);
+  EXPECT_EQ(gate.token_of(first, true, now), token);
+  now += OperatorGate::kIdleMax - std::chrono::seconds(1);
+  EXPECT_EQ(gate.token_of(first, false, now), token) << "a poll keeps nothing";
+  now += std::chrono::seconds(1);
+  EXPECT_EQ(gate.token_of(first, true, now), "");
+  const std::string second = gate.sign_in(kPassword, "a", now).session;
+  const auto end = now + OperatorGate::kSessionMax;
+  for (; now < end; now += std::chrono::minutes(10)) EXPECT_NE(gate.token_of(second, true, now), "");
+  EXPECT_EQ(gate.token_of(second, true, now), "");
+  std::vector<std::string> many;
+  for (std::size_t i = 0; i <= OperatorGate::kSessionsMax; ++i)
+    many.push_back(gate.sign_in(kPassword, "a", now += std::chrono::seconds(1)).session);
+  EXPECT_EQ(gate.token_of(many[0], true, now), "") << "it made room";
+  EXPECT_NE(gate.token_of(many[1], true, now), "");
+  gate.sign_out(many[1]);
+  EXPECT_EQ(gate.token_of(many[1], true, now), "");
+  EXPECT_EQ(gate.token_of("", true, now), "");
 }
 
 TEST(OperatorGate, APasswordFileIsItsOwnersAndLongEnough) {

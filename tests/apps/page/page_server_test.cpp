@@ -124,6 +124,7 @@ TEST_F(Served, ScriptsOfOthersAreCompressedBeforehandAndKept) {
 // Answers run in a library in C, through which no exception may go.
 TEST_F(Served, AHandlerThatThrowsFailsAloneAndThePageGoesOn) {
   PageHandlers handlers;
+  handlers.operator_password = "correct horse battery";
   handlers.operate = [](const PageRequest& request) -> PageAnswer {
     if (request.path == "/operator/state") throw std::runtime_error("as JSON does of text that is no UTF-8");
     return {200, nullptr, "operated"};
@@ -133,8 +134,14 @@ TEST_F(Served, AHandlerThatThrowsFailsAloneAndThePageGoesOn) {
   ASSERT_TRUE(server) << server.error().message;
   server_ = std::move(*server);
   const std::string origin = server_->url().substr(0, server_->url().size() - 1);
+  const auto signed_in = client().Post("/operator/sign-in", {{"Origin", origin}},
+                                       R"({"password": "correct horse battery"})", "application/json");
+  ASSERT_EQ(signed_in->status, 200);
+  const std::string set = signed_in->get_header_value("Set-Cookie");
+  const httplib::Headers cookie = {{"Cookie", set.substr(0, set.find(';'))}};
+  testing::internal::CaptureStderr();
   for (int i = 0; i < 3; ++i) {
-    const auto thrown = client().Get("/operator/state");
+    const auto thrown = client().Get("/operator/state", cookie);
     ASSERT_TRUE(thrown);
     EXPECT_EQ(thrown->status, 500);
     const auto posted =
@@ -143,7 +150,12 @@ TEST_F(Served, AHandlerThatThrowsFailsAloneAndThePageGoesOn) {
     EXPECT_EQ(posted->status, 500);
     EXPECT_EQ(posted->body, "this failed; reload the page\n");
   }
-  EXPECT_EQ(client().Get("/operator/form")->status, 200);
+  EXPECT_EQ(client().Get("/operator/form", cookie)->status, 200);
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_NE(log.find("the page failed to answer GET /operator/state: as JSON does of text that is no UTF-8\n"),
+            std::string::npos)
+      << log;
+  EXPECT_NE(log.find("POST /facts"), std::string::npos) << log;
 }
 
 TEST_F(Served, WhoSendsABodyIsNotAnswered) {

@@ -42,15 +42,15 @@ TEST_F(Visits, AnotherIdDoesNothing) {
   EXPECT_EQ(visit_.number(), 2U);
 }
 
-TEST_F(Visits, AResultGoesAMinuteAfterTheLastTouch) {
+TEST_F(Visits, AResultGoesTwoMinutesAfterTheLastTouch) {
   visit_.consent(visit_.id(), now_);
   visit_.measured(now_);
-  EXPECT_FALSE(visit_.tick(now_ + seconds(59)));
-  EXPECT_TRUE(visit_.touch(visit_.id(), now_ + seconds(59)));
-  EXPECT_FALSE(visit_.tick(now_ + seconds(118)));
-  EXPECT_EQ(visit_.left(now_ + seconds(118)), seconds(1));
-  visit_.person_in_view(now_ + seconds(118));  // a person in view does not count as a touch
-  EXPECT_TRUE(visit_.tick(now_ + seconds(119)));
+  EXPECT_FALSE(visit_.tick(now_ + seconds(119)));
+  EXPECT_TRUE(visit_.touch(visit_.id(), now_ + seconds(119)));
+  EXPECT_FALSE(visit_.tick(now_ + seconds(238)));
+  EXPECT_EQ(visit_.left(now_ + seconds(238)), seconds(1));
+  visit_.person_in_view(now_ + seconds(238));  // a person in view does not count as a touch
+  EXPECT_TRUE(visit_.tick(now_ + seconds(239)));
   EXPECT_EQ(visit_.state(), VisitState::asking);
 }
 
@@ -71,7 +71,7 @@ TEST_F(Visits, AskingLastsAndWithoutAQuestionMeasuringDoes) {
   EXPECT_EQ(open.state(), VisitState::measuring);
   EXPECT_FALSE(open.tick(now_ + seconds(100'000)));
   EXPECT_TRUE(open.measured(now_));
-  EXPECT_TRUE(open.tick(now_ + seconds(60)));
+  EXPECT_TRUE(open.tick(now_ + seconds(120)));
   EXPECT_EQ(open.state(), VisitState::measuring);
 }
 
@@ -85,17 +85,17 @@ TEST_F(Visits, FactsStandBetweenConsentAndMeasuring) {
   EXPECT_EQ(asking.state(), VisitState::facts);
   EXPECT_EQ(name_of(asking.state()), "FACTS");
   EXPECT_FALSE(asking.measured(now_));
-  asking.person_in_view(now_ + seconds(50));
-  EXPECT_EQ(asking.left(now_ + seconds(50)), seconds(10)) << "only a touch puts its end off";
-  EXPECT_TRUE(asking.touch(asking.id(), now_ + seconds(50)));
-  EXPECT_FALSE(asking.tick(now_ + seconds(109)));
-  EXPECT_TRUE(asking.facts_done(now_ + seconds(109)));
+  asking.person_in_view(now_ + seconds(110));
+  EXPECT_EQ(asking.left(now_ + seconds(110)), seconds(10)) << "only a touch puts its end off";
+  EXPECT_TRUE(asking.touch(asking.id(), now_ + seconds(110)));
+  EXPECT_FALSE(asking.tick(now_ + seconds(229)));
+  EXPECT_TRUE(asking.facts_done(now_ + seconds(229)));
   EXPECT_EQ(asking.state(), VisitState::measuring);
-  EXPECT_FALSE(asking.facts_done(now_ + seconds(109))) << "once";
-  EXPECT_FALSE(asking.tick(now_ + seconds(138)));
-  EXPECT_TRUE(asking.tick(now_ + seconds(139)));
+  EXPECT_FALSE(asking.facts_done(now_ + seconds(229))) << "once";
+  EXPECT_FALSE(asking.tick(now_ + seconds(258)));
+  EXPECT_TRUE(asking.tick(now_ + seconds(259)));
   EXPECT_TRUE(asking.consent(asking.id(), now_));
-  EXPECT_TRUE(asking.tick(now_ + seconds(60)));
+  EXPECT_TRUE(asking.tick(now_ + seconds(120)));
   EXPECT_EQ(asking.state(), VisitState::asking);
 }
 

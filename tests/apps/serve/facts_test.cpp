@@ -188,11 +188,8 @@ TEST(FactsOfARecordedVisit, AreNotTaken) {
   settings.desk->root = folder.path("sessions");
   test::ShownPage shown(settings);
   shown.page().use_source({}, {});
-  const std::string token = shown.client().Get("/operator/token")->body;
-  const auto begun =
-      shown.client().Post("/operator/begin", httplib::Headers{{"Origin", shown.url()}, {"X-Im2fit-Token", token}},
-                          R"({"language": "en", "version": "1"})", "application/json");
-  ASSERT_EQ(begun->status, 200) << begun->body;
+  const auto begun = shown.post_operator("/operator/begin", {{"language", "en"}, {"version", "1"}});
+  ASSERT_EQ(begun.first, 200) << begun.second;
   std::string visit;
   for (const auto& event : shown.events("beat")) {
     if (event["event"] != "visit") continue;

@@ -191,16 +191,25 @@ TEST_F(Fitting, ABrowserTriesClothesOn) {
     EXPECT_TRUE(browser.wait_for("return fitting.shown !== null && fitting.shown === fitting.asked"))
         << browser.run("return [fitting.asked, fitting.shown, fitting.status, failures]");
   };
+  const auto part = [&](const std::string& name) {
+    browser.run("document.querySelector('#tryon [data-part=" + name + "]').click()");
+  };
+  const std::string verdict = "return document.querySelector('#tryon .verdict').textContent";
+  EXPECT_THAT(browser.run(verdict).get<std::string>(), HasSubstr("(your best size): "));
+  part("bottom");
   press("#fitting-bottom [data-garment=skirt]");
   EXPECT_EQ(materials(), with_look({"skin", "skirt", "t_shirt"}));
-  const auto said_of_best = [&](const std::string& part) {
-    return browser.run("return document.querySelector('#fitting-" + part + " .sizes small').textContent.trim()");
-  };
-  EXPECT_EQ(said_of_best("top"), "best");
   press("#fitting-bottom [data-garment=shorts]");
-  EXPECT_EQ(said_of_best("bottom"), "closest, none fits");  // nothing is called best that does not fit
+  // Nothing is called best that does not fit.
+  EXPECT_THAT(browser.run(verdict).get<std::string>(), HasSubstr("(the closest size, none fits): "));
   press("#fitting-bottom [data-garment=skirt]");
+  part("top");
+  press("#fitting-top [data-garment=dress]");
+  EXPECT_EQ(materials(), with_look({"skin", "dress"}));
+  press("#fitting-top [data-garment=t_shirt]");
+  EXPECT_EQ(materials(), with_look({"skin", "skirt", "t_shirt"})) << "what the dress took the place of comes back";
   press("#fitting-top .sizes button:last-child");
+  EXPECT_THAT(browser.run(verdict).get<std::string>(), HasSubstr("3XL: a bit loose at the "));
   EXPECT_THAT(browser.run("return fitting.shown").get<std::string>(), HasSubstr("top_size=3XL"));
   press("#fitting-ease");
   EXPECT_EQ(

@@ -39,16 +39,14 @@ class Desk : public testing::Test {
     source.intrinsics.cx = 31.5F;
     source.intrinsics.cy = 23.5F;
     page_->page().use_source(source, {"1.0.0", "a", "b", "c"});
-    token_ = page_->client().Get("/operator/token")->body;
   }
-  // The status and the text of the answer.
   std::pair<int, std::string> post(const std::string& path, const Json& body) const {
-    const auto answer =
-        page_->client().Post(path, httplib::Headers{{"Origin", page_->url()}, {"X-Im2fit-Token", token_}},
-                             body.dump(), "application/json");
-    return answer ? std::pair(answer->status, answer->body) : std::pair(0, std::string());
+    return page_->post_operator(path, body);
   }
-  Json get(const std::string& path) const { return Json::parse(page_->client().Get(path)->body, nullptr, false); }
+  Json get(const std::string& path) const {
+    return Json::parse(page_->operator_client().Get(path)->body, nullptr, false);
+  }
+  int status_of(const std::string& path) const { return page_->operator_client().Get(path)->status; }
   std::string phase() const { return get("/operator/state")["phase"]; }
   int begin() const { return post("/operator/begin", {{"language", "de"}, {"version", "1"}}).first; }
   void frame(std::uint64_t number) {
@@ -85,7 +83,6 @@ class Desk : public testing::Test {
     return Json{{"then", nullptr}, {"now", {{"of", id}}}};
   };
   std::unique_ptr<test::ShownPage> page_;
-  std::string token_;
 };
 
 const Json kForm = {{"person", "P1"},
@@ -118,9 +115,10 @@ TEST_F(Desk, AVisitIsRecordedAndSavedWithWhatTheFormSays) {
   EXPECT_TRUE(std::filesystem::exists(folder + "/recording/000005.png"));
   EXPECT_FALSE(std::filesystem::exists(folder + "/recording/000006.png"));
   EXPECT_EQ(get("/operator/sessions")[0]["person"], "P1");
-  const auto picture = page_->client().Get("/operator/picture?number=5&id=" + job["id"].get<std::string>());
+  const auto picture = page_->operator_client().Get("/operator/picture?number=5&id=" + job["id"].get<std::string>());
   EXPECT_EQ(picture->get_header_value("Content-Type"), "image/png");
-  EXPECT_EQ(page_->client().Get("/operator/picture?number=6&id=" + job["id"].get<std::string>())->status, 404);
+  EXPECT_EQ(page_->operator_client().Get("/operator/picture?number=6&id=" + job["id"].get<std::string>())->status,
+            404);
   EXPECT_EQ(phase(), "IDLE");
   EXPECT_EQ(begin(), 200) << "the next person, while the one before is still on the screen";
 }
@@ -154,6 +152,44 @@ TEST_F(Desk, NothingStaysOfWhoDeletesOrLeavesOrIsDiscarded) {
   frame(0);
   page_.reset();
   EXPECT_EQ(entries(), 0U) << "the program ended";
+}
+
+TEST_F(Desk, DeleteOnThePersonsPageAlsoDeletesTheSavedSession) {
+  ASSERT_NO_FATAL_FAILURE(measured_visit());
+  ASSERT_EQ(post("/operator/save", kForm).first, 202);
+  const std::string id = job_done()["id"], visit = page_->visit();
+  ASSERT_TRUE(sessions::read(root_, id));
+  EXPECT_FALSE(get("/operator/state").contains("erased"));
+  EXPECT_EQ(page_->post("/delete", visit), 200);
+  EXPECT_EQ(entries(), 0U);
+  EXPECT_EQ(get("/operator/state")["erased"], id) << "the operator is told";
+  EXPECT_EQ(page_->post("/delete", visit), 409);
+  // Another person's Delete is not of this one's session, and who leaves without it has their session kept.
+  ASSERT_NO_FATAL_FAILURE(measured_visit());
+  EXPECT_FALSE(get("/operator/state").contains("erased"));
+  ASSERT_EQ(post("/operator/save", kForm).first, 202);
+  ASSERT_EQ(job_done()["error"], "");
+  ASSERT_NO_FATAL_FAILURE(measured_visit());
+  EXPECT_EQ(page_->post("/delete", page_->visit()), 200);
+  EXPECT_EQ(entries(), 1U);
+}
+
+TEST_F(Desk, DeleteDuringSavingLeavesNothing) {
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_NO_FATAL_FAILURE(measured_visit());
+    const std::string visit = page_->visit();
+    ASSERT_EQ(post("/operator/save", kForm).first, 202);
+    EXPECT_EQ(page_->post("/delete", visit), 200);
+    job_done();
+    EXPECT_EQ(entries(), 0U) << i;
+  }
+}
+
+TEST_F(Desk, DeleteOfASessionThatTheOperatorDeletedIsDone) {
+  ASSERT_NO_FATAL_FAILURE(measured_visit());
+  ASSERT_EQ(post("/operator/save", kForm).first, 202);
+  EXPECT_EQ(post("/operator/delete", {{"id", job_done()["id"]}}).first, 200);
+  EXPECT_EQ(page_->post("/delete", page_->visit()), 200);
 }
 
 TEST_F(Desk, ConsentOfAnotherTextOrDuringACustomersVisitIsNone) {
@@ -198,12 +234,11 @@ TEST_F(Desk, AnIdOfTheFormLeadsNowhereElse) {
                                  std::string(), std::string("..%2F"), std::string(4000, 'a')}) {
     EXPECT_EQ(post("/operator/delete", {{"id", bad}}).first, 400) << bad;
     EXPECT_EQ(post("/operator/measure", {{"id", bad}}).first, 400) << bad;
-    EXPECT_EQ(page_->status_of("/operator/session?id=" + httplib::detail::encode_query_param(bad)), 400) << bad;
-    EXPECT_EQ(page_->status_of("/operator/picture?number=0&id=" + httplib::detail::encode_query_param(bad)), 400)
-        << bad;
+    EXPECT_EQ(status_of("/operator/session?id=" + httplib::detail::encode_query_param(bad)), 400) << bad;
+    EXPECT_EQ(status_of("/operator/picture?number=0&id=" + httplib::detail::encode_query_param(bad)), 400) << bad;
   }
-  EXPECT_EQ(page_->status_of("/operator/picture?number=-1&id=" + id), 400);
-  EXPECT_EQ(page_->status_of("/operator/picture?number=99999999999999999999&id=" + id), 404);
+  EXPECT_EQ(status_of("/operator/picture?number=-1&id=" + id), 400);
+  EXPECT_EQ(status_of("/operator/picture?number=99999999999999999999&id=" + id), 404);
   EXPECT_TRUE(std::filesystem::exists(folder_.path("session.json")));
   EXPECT_EQ(post("/operator/measure", {{"id", id}}).first, 202);
   EXPECT_EQ(job_done()["result"]["now"]["of"], id);
@@ -234,7 +269,7 @@ TEST_F(DeskAmongDamage, ItIsNamedAndThePageGoesOn) {
   ASSERT_THAT(all, SizeIs(2));
   EXPECT_THAT(all[1]["damage"], HasSubstr("nested deeper than 64 levels"));
   EXPECT_THAT(all[0]["damage"], HasSubstr("loop: Too many levels of symbolic links"));
-  EXPECT_EQ(page_->client().Get("/operator/session?id=deep")->status, 400);
+  EXPECT_EQ(page_->operator_client().Get("/operator/session?id=deep")->status, 400);
   measured_visit();
   EXPECT_EQ(post("/operator/save", kForm).first, 202);
   EXPECT_EQ(job_done()["error"], "");

@@ -69,7 +69,7 @@ TEST_F(Phone, TakesTheResultOnce) {
   ASSERT_EQ(status, 200);
   const std::string address = code["address"];
   EXPECT_EQ(address.substr(0, address.find('#')), page.page().phone_url());
-  EXPECT_EQ(code["left_s"], 60) << "as long as the visit does without a touch";
+  EXPECT_EQ(code["left_s"], 120) << "as long as the visit does without a touch";
   if (test::kReadsQr) {
     EXPECT_EQ(test::read_qr_path(code["path"], code["side"]), address);
   }

@@ -97,7 +97,6 @@ class Shop {
     page_ = std::make_unique<test::ShownPage>(page);
     page_->page().use_source(
         source_, {"1.0.0", digest(test::body_path()), digest(test::tracker_path()), digest(test::index_path())});
-    token_ = page_->client().Get("/operator/token")->body;
   }
   const body::BodyModel& model() const { return *data_->body_model; }
   bool ready() const { return engine_ != nullptr; }
@@ -119,7 +118,8 @@ class Shop {
     page_->page().publish(apps::measured_event(1, number, *person));
     EXPECT_EQ(post("/operator/save", form(number, subject)), 202);
     for (int i = 0; i < 2000; ++i) {
-      const Json job = Json::parse(page_->client().Get("/operator/state")->body).value("job", Json::object());
+      const Json job =
+          Json::parse(page_->operator_client().Get("/operator/state")->body).value("job", Json::object());
       if (job.value("running", true)) {
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
         continue;
@@ -132,12 +132,7 @@ class Shop {
 
  private:
   static std::string digest(const std::string& path) { return *sessions::digest_of_file(path); }
-  int post(const std::string& path, const Json& body) const {
-    const auto answer =
-        page_->client().Post(path, httplib::Headers{{"Origin", page_->url()}, {"X-Im2fit-Token", token_}},
-                             body.dump(), "application/json");
-    return answer ? answer->status : 0;
-  }
+  int post(const std::string& path, const Json& body) const { return page_->post_operator(path, body).first; }
   // What a tape and a scale say that are right; girths twice, with a millimetre or two between.
   static Json form(int number, const lab::Subject& subject) {
     Json truth = {{"gender", subject.woman ? "female" : "male"}, {"clothing", "bare"}, {"tape", Json::object()}};
@@ -158,7 +153,6 @@ class Shop {
   hal::SourceInfo source_;
   std::unique_ptr<test::ShownPage> page_;
   std::unique_ptr<Engine> engine_;  // last: its threads see the page
-  std::string token_;
 };
 
 test::Run lab_run(const std::vector<std::string>& words) {

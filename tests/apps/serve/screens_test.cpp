@@ -9,6 +9,7 @@
 
 #include "browser.h"
 #include "core/guidance.h"
+#include "depth_folder.h"
 #include "shown_page.h"
 
 namespace im2fit {
@@ -45,9 +46,28 @@ const faults = () => {
     if (seen(at(id)) && at(id).getBoundingClientRect().bottom > innerHeight) say(`${id} below the screen`);
   }
   if (['red', 'amber'].includes(document.body.dataset.tone) && seen(bar)) say('a bar');
-  if (stage === 'result' && at('size').getBoundingClientRect().bottom > innerHeight) say('size below the screen');
+  if (stage === 'result') {
+    const inside = (e, what) => {
+      const r = e.getBoundingClientRect();
+      if (seen(e) && (r.top < 0 || r.left < 0 || r.bottom > innerHeight + .5 || r.right > innerWidth + .5)) say(`${what} outside`);
+    };
+    const box = at('stage').getBoundingClientRect(), panel = at('panel');
+    const share = box.width * (Math.min(box.bottom, innerHeight) - box.top) / (innerWidth * innerHeight);
+    if (share < .5) say(`the body has ${share} of the screen`);
+    if (panel.scrollWidth > panel.clientWidth) say(`the panel is ${panel.scrollWidth} wide`);
+    for (const id of ['size', 'try-on', 'to-phone', 'open-figures', 'left', 'more', 'delete', 'view']) inside(at(id), id);
+    // Nothing of it is behind what stands below it.
+    const floor = at('actions').getBoundingClientRect().top;
+    const told = at('told').childElementCount > 0 || !at('recorded').hidden;
+    for (const e of document.querySelectorAll('#tryon .row, #tryon .verdict')) {
+      if (!told || e.classList.contains('row')) inside(e, e.className);
+      if (!told && seen(e) && e.getBoundingClientRect().bottom > floor) say(`${e.className} behind the actions`);
+    }
+    if (/\u00b1|\bmm\b/.test(at('tryon').innerText)) say('millimetres');
+  }
   // 12 mm on a 10-inch tablet of 1280 x 800: 217 mm wide.
-  if (Math.max(innerWidth, innerHeight) === 1280 && ['measure', 'trouble'].includes(stage)) {
+  if (Math.max(innerWidth, innerHeight) === 1280 && ['welcome', 'measure', 'trouble', 'result'].includes(stage) &&
+      !document.body.dataset.near) {
     const pen = document.createElement('canvas').getContext('2d'), style = getComputedStyle(message);
     pen.font = `${style.fontWeight} ${style.fontSize} ${style.fontFamily}`;
     const mm = pen.measureText('H').actualBoundingBoxAscent * 217 / 1280;
@@ -69,7 +89,8 @@ const apps::Json kDoubted = {{"given",
                                {"weight", {{"value", 130}, {"sd", 3}, {"unit", "kg"}}}}},
                              {"used", {"stature"}},
                              {"doubted", {"weight"}}};
-constexpr int kStatesLooked = 33;
+constexpr int kStatesLooked = 34;
+constexpr std::pair<int, int> kScreens[] = {{390, 844}, {800, 1280}, {1280, 800}, {1920, 1080}};
 
 class Screens : public testing::Test {
  protected:
@@ -152,7 +173,10 @@ void Screens::through_all_states(const std::function<void(const std::string& cod
   page->state("MEASURED", {});
   page->measured(987.6, "", kDoubted);
   at("DONE");
-  browser_->run("at('facts-open').click()");
+  browser_->run("at('open-figures').click()");
+  EXPECT_TRUE(browser_->wait_for("return !at('figures').hidden && at('tryon').hidden"));
+  at("DONE");
+  browser_->run("at('try-on').click(); at('facts-open').click()");
   at("FACTS");
   browser_->run("at('facts-skip').click()");
   at("DONE");
@@ -170,18 +194,174 @@ void Screens::through_all_states(const std::function<void(const std::string& cod
 }
 
 TEST_F(Screens, EveryStateInEveryLanguageOnFourScreens) {
-  constexpr std::pair<int, int> kScreens[] = {{390, 844}, {800, 1280}, {1280, 800}, {1920, 1080}};
   int looked = 0;
   through_all_states([&](const std::string& code) {
     for (const auto& [width, height] : kScreens) {
       browser_->resize(width, height);
       const Json faults = browser_->run(kAllFaults);
       EXPECT_EQ(faults, Json::array()) << code << " on " << width << "x" << height;
+      if (const char* kept = std::getenv("IM2FIT_SCREENSHOTS"))
+        test::write_text(fmt::format("{}/{:03}-{}-{}.png", kept, looked, code, width), browser_->screenshot());
       looked += 5;
     }
   });
   EXPECT_EQ(looked, kStatesLooked * 4 * 5);
   EXPECT_EQ(browser_->run("return failures"), Json::array());
+}
+
+// In place of an avatar: as tall and as broad as a person, with its origin where a body's is.
+constexpr const char* kFigure = R"js(
+  const figure = new THREE.Group(), root = new THREE.Object3D();
+  const trunk = new THREE.Mesh(new THREE.BoxBufferGeometry(0.6, HEIGHT, 0.3), new THREE.MeshLambertMaterial());
+  trunk.position.y = HEIGHT / 2;
+  root.name = hello.segments[0];
+  figure.add(trunk, root);
+  stage.stand(figure, hello.segments.map(() => hello.segments[0]));
+  stage.draw();
+)js";
+// The share of the view's height that the figure has, and whether it is wholly in view.
+constexpr const char* kBodyShare = R"js(
+  stage.draw();
+  const box = new THREE.Box3().setFromObject(stage.avatar), ys = [], xs = [];
+  stage.camera.updateMatrixWorld();
+  for (const x of [box.min.x, box.max.x]) for (const y of [box.min.y, box.max.y]) for (const z of [box.min.z, box.max.z]) {
+    const p = new THREE.Vector3(x, y, z).project(stage.camera);
+    xs.push(p.x); ys.push(p.y);
+  }
+  const seen = Math.max(...xs.map(Math.abs), ...ys.map(Math.abs)) <= 1;
+  return seen ? (Math.max(...ys) - Math.min(...ys)) / 2 : -1;
+)js";
+
+TEST_F(Screens, TheBodyFillsTheViewAndTryingOnIsBesideIt) {
+  apps::LivePageSettings settings;
+  settings.hand_over = {"127.0.0.1", 0};
+  test::ShownPage page(settings);
+  ASSERT_NO_FATAL_FAILURE(open(page));
+  ASSERT_NO_FATAL_FAILURE(agree());
+  page.measured(987.6);
+  ASSERT_TRUE(shows("DONE"));
+  for (const char* height_m : {"1.50", "1.72", "2.05"}) {
+    browser_->run("const HEIGHT = " + std::string(height_m) + ";" + kFigure);
+    for (const auto& [width, height] : kScreens) {
+      browser_->resize(width, height);
+      browser_->run_until_called("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))");
+      EXPECT_GE(browser_->run(kBodyShare).get<double>(), 0.8) << height_m << " m on " << width << "x" << height;
+      EXPECT_EQ(browser_->run(kAllFaults), Json::array()) << width << "x" << height;
+    }
+  }
+  // Turned by a person it stays turned in other clothes, and one who walks stays in view.
+  const std::string direction =
+      "const d = stage.camera.position.clone().sub(stage.orbit.target).normalize(); return [d.x, d.z];";
+  browser_->run("stage.camera.position.set(-3, 1, -2); stage.frame(stage.heightM)");
+  const Json turned = browser_->run(direction);
+  browser_->run("const HEIGHT = 2.05;" + std::string(kFigure));
+  EXPECT_EQ(browser_->run(direction), turned);
+  browser_->run("stage.avatar.children[1].add(stage.avatar.children[0]); stage.pose([1.5, 0, -1], [])");
+  EXPECT_TRUE(browser_->wait_for("return Math.abs(stage.orbit.target.x - 1.5) < 0.01"));
+  EXPECT_GE(browser_->run(kBodyShare).get<double>(), 0.8);
+  // Both primary actions, the code in place of trying on, and the body does not move for it.
+  const std::string view = "const r = at('stage').getBoundingClientRect(); return [r.top, r.height, r.width];";
+  const Json before = browser_->run(view);
+  browser_->run("at('to-phone').click()");
+  ASSERT_TRUE(browser_->wait_for("return !at('phone').hidden && at('tryon').hidden"));
+  EXPECT_EQ(browser_->run(view), before);
+  browser_->run("at('try-on').click()");
+  EXPECT_EQ(browser_->run("return !at('tryon').hidden && at('phone').hidden"), true);
+  EXPECT_EQ(browser_->run("return [...document.querySelectorAll('#choices .main')].map((b) => b.id)"),
+            (Json{"try-on", "to-phone"}));
+  EXPECT_EQ(browser_->run("return at('delete').classList.contains('main')"), false);
+  EXPECT_EQ(browser_->run("return failures"), Json::array());
+}
+
+TEST_F(Screens, FitIsToldInAShopsWords) {
+  test::ShownPage page;
+  ASSERT_NO_FATAL_FAILURE(open(page));
+  ASSERT_NO_FATAL_FAILURE(agree());
+  page.measured(987.6);
+  ASSERT_TRUE(shows("DONE"));
+  const auto told = [&](const std::string& language, const std::string& size) {
+    browser_->run("words.language = '" + language + "'; showTexts();" +
+                  "document.querySelector('#tryon [data-size=\"" + size + "\"]').click()");
+    return browser_->run("return document.querySelector('#tryon .verdict').textContent").get<std::string>();
+  };
+  EXPECT_EQ(told("en", "M"), "M (your best size): fits");
+  EXPECT_EQ(told("en", "S"), "S: a bit tight at the waist");
+  EXPECT_EQ(told("en", "XS"), "XS: too tight at the chest, at the waist, and at the hips");
+  EXPECT_EQ(told("de", "S"), "S: etwas eng an der Taille");
+  EXPECT_EQ(told("es", "S"), "S: aprieta un poco en la cintura");
+  EXPECT_EQ(told("fr", "XL"), "XL : un peu ample à la poitrine, à la taille et aux hanches");
+  EXPECT_EQ(told("zh", "S"), "S：腰部稍紧");
+}
+
+// Who is recorded sees it from the consent on, in every language; nothing says that what is kept will be deleted.
+TEST_F(Screens, ARecordedPersonIsTold) {
+  const test::TestFolder sessions;
+  apps::LivePageSettings settings;
+  settings.desk.emplace();
+  settings.desk->root = sessions.path("sessions");
+  test::ShownPage page(settings);
+  page.page().use_source({}, {});
+  ASSERT_NO_FATAL_FAILURE(open(page));
+  EXPECT_EQ(browser_->run("return at('recorded').hidden"), true);
+  ASSERT_EQ(page.post_operator("/operator/begin", {{"language", "en"}, {"version", "1"}}).first, 200);
+  ASSERT_TRUE(browser_->wait_for("return visit.state === 'MEASURING' && visit.recorded"));
+  page.state("TRACKING", {"MOVING"});
+  ASSERT_TRUE(shows("MOVING"));
+  const std::string told = R"js(
+    const wrong = [];
+    for (const language of kLanguages) {
+      words.language = language; showTexts();
+      const text = at('recorded').innerText, consent = words.table.operator.consent;
+      const dot = document.querySelector('#recorded .dot').getBoundingClientRect();
+      if (!text.includes(words.of(WORDS)) || dot.width < 10) wrong.push(language);
+      if (OPEN) for (const point of consent.points) if (!text.includes(point)) wrong.push(`${language}: ${point}`);
+      if (at('delete').textContent !== words.of('delete_recording')) wrong.push(`${language}: delete`);
+    }
+    words.language = 'en'; showTexts();
+    return wrong;)js";
+  const auto told_as = [&](const char* key, bool open) {
+    return browser_->run("const WORDS = '" + std::string(key) + "', OPEN = " + (open ? "true" : "false") + ";" +
+                         told);
+  };
+  for (const auto& [width, height] : kScreens) {
+    browser_->resize(width, height);
+    EXPECT_EQ(told_as("recording", true), Json::array());
+    EXPECT_EQ(browser_->run(kAllFaults), Json::array()) << width << "x" << height;
+  }
+  page.measured(911);
+  ASSERT_TRUE(shows("DONE"));
+  ASSERT_TRUE(browser_->wait_for("return at('left').textContent !== ''"));
+  for (const auto& [width, height] : kScreens) {
+    browser_->resize(width, height);
+    EXPECT_EQ(told_as("recorded", false), Json::array());
+    EXPECT_EQ(browser_->run(kAllFaults), Json::array()) << width << "x" << height;
+  }
+  EXPECT_THAT(browser_->run("return at('left').textContent").get<std::string>(),
+              testing::AllOf(testing::HasSubstr("the recording stays"), testing::Not(testing::HasSubstr("deleted"))));
+  browser_->run("at('recorded').open = true");
+  EXPECT_EQ(told_as("recorded", true), Json::array()) << "the text stays to be read";
+  browser_->run("at('delete').click()");
+  ASSERT_TRUE(shows("WELCOME"));
+  EXPECT_EQ(browser_->run("return at('recorded').hidden && at('not-deleted').hidden"), true);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(sessions.path("sessions")), {}), 0);
+  // What could not be deleted is told.
+  ASSERT_NO_FATAL_FAILURE(agree());
+  page.measured(911);
+  ASSERT_TRUE(shows("DONE"));
+  browser_->run(
+      "const real = window.fetch; window.fetch = async (...a) => { const r = await real(...a); return "
+      "String(a[0]).endsWith('/delete') ? new Response('no', {status: 500}) : r; }; at('delete').click()");
+  EXPECT_TRUE(browser_->wait_for("return !at('not-deleted').hidden && at('not-deleted').textContent.length > 10"));
+}
+
+TEST_F(Screens, MoreTimeStartsTheCountdownAgain) {
+  test::ShownPage page;
+  ASSERT_NO_FATAL_FAILURE(open(page));
+  ASSERT_NO_FATAL_FAILURE(agree());
+  page.measured(911);
+  ASSERT_TRUE(browser_->wait_for("return at('left').textContent === 'Will be deleted in 118 s'"));
+  browser_->run("at('more').click()");
+  EXPECT_TRUE(browser_->wait_for("return at('left').textContent === 'Will be deleted in 120 s'"));
 }
 
 TEST_F(Screens, EveryGuidanceIsHeard) {
@@ -218,7 +398,7 @@ TEST_F(Screens, UnitsAndNumbersAreThoseOfTheRegion) {
                                      {"en-GB", "100.0 cm"},
                                      {"de-DE", "100,0 cm"},
                                      {"fr-CA", "100,0 cm"},
-                                     {"zh-CN", "100.0 cm"}}) {
+                                     {"zh-CN", "100.0 厘米"}}) {
     ASSERT_NO_FATAL_FAILURE(open(page, std::string("?lang=") + region));
     ASSERT_TRUE(browser_->wait_for("return result !== null"));
     EXPECT_EQ(browser_->run(chest), text) << region;

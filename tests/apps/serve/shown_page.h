@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 #include <httplib.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/kiosk/live_page.h"
@@ -17,8 +19,10 @@ namespace im2fit::test {
 
 class ShownPage {
  public:
+  static constexpr const char* kPassword = "correct horse battery";
   explicit ShownPage(apps::LivePageSettings settings = {}, int port = 0) {
     settings.address.port = port;
+    if (settings.desk) settings.operator_password = kPassword;
     auto page = apps::LivePage::open(settings);
     EXPECT_TRUE(page) << page.error().message;
     if (page) page_ = std::move(*page);
@@ -33,6 +37,27 @@ class ShownPage {
     httplib::Client c(url());
     c.set_read_timeout(20);
     return c;
+  }
+  // Signs in once; later calls are of that session.
+  httplib::Client operator_client() {
+    httplib::Client c = client();
+    if (cookie_.empty()) {
+      const apps::Json password = {{"password", kPassword}};
+      const auto answer = c.Post("/operator/sign-in", {{"Origin", url()}}, password.dump(), "application/json");
+      EXPECT_TRUE(answer && answer->status == 200);
+      cookie_ = answer ? answer->get_header_value("Set-Cookie") : "";
+      cookie_.resize(std::min(cookie_.size(), cookie_.find(';')));
+      token_ = c.Get("/operator/token", {{"Cookie", cookie_}})->body;
+    }
+    c.set_default_headers({{"Cookie", cookie_}});
+    return c;
+  }
+  // The status and the text of the answer.
+  std::pair<int, std::string> post_operator(const std::string& path, const apps::Json& body) {
+    httplib::Client c = operator_client();
+    const auto answer = c.Post(path, httplib::Headers{{"Origin", url()}, {"X-Im2fit-Token", token_}}, body.dump(),
+                               "application/json");
+    return answer ? std::pair(answer->status, answer->body) : std::pair(0, std::string());
   }
   int status_of(const std::string& path) const {
     const auto answer = client().Get(path);
@@ -86,6 +111,25 @@ class ShownPage {
                     {"view", "front"},
                     {"frames_used", 12}});
   }
+  // As in result.json: of every garment M fits, smaller sizes are tight and larger ones loose.
+  static apps::Json fits() {
+    apps::Json all = apps::Json::array();
+    for (const char* garment : {"t_shirt", "long_sleeved_shirt", "dress", "trousers", "shorts", "skirt"}) {
+      apps::Json sizes;
+      int ease_mm = -40;
+      for (const char* size : {"XS", "S", "M", "L", "XL", "XXL", "3XL"}) {
+        for (const char* region : {"chest", "waist", "hip"}) {
+          const bool waist_of_s = std::string(size) == "S" && std::string(region) == "waist";
+          const char* verdict = ease_mm < 0 ? "tight" : waist_of_s ? "snug" : ease_mm < 80 ? "good" : "loose";
+          sizes[size][region] = {
+              {"ease_mm", ease_mm}, {"interval", {ease_mm - 60, ease_mm + 60}}, {"verdict", verdict}};
+        }
+        ease_mm += 40;
+      }
+      all.push_back({{"garment", garment}, {"chart", "EN 13402-3"}, {"best", "M"}, {"fits", true}, {"sizes", sizes}});
+    }
+    return all;
+  }
   // A result of this chest girth. `known`: as in result.json.
   void measured(double chest_mm, const std::string& out = "", const apps::Json& known = nullptr,
                 bool corrected = false) {
@@ -97,6 +141,7 @@ class ShownPage {
       result["measurements"][std::string(info.id)] = {
           {"value", value}, {"unit", info.unit}, {"interval", {value - 20, value + 20}}};
     }
+    result["fit"] = fits();
     if (!known.is_null()) result["known"] = known;
     apps::Json event = {{"event", "measured"}, {"frame", 1}, {"person", 1}, {"result", std::move(result)}};
     if (corrected) event["corrected"] = true;
@@ -107,6 +152,7 @@ class ShownPage {
 
  private:
   std::unique_ptr<apps::LivePage> page_;
+  std::string cookie_, token_;  // of the operator
   std::uint64_t permit_ = 0;
 };
 

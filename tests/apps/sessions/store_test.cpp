@@ -121,9 +121,11 @@ TEST_F(SessionStore, WhatAKilledProgramLeftGoesAndWhatIsBeingWrittenStays) {
   EXPECT_EQ(code, 0);
   EXPECT_THAT(names_in(root_), SizeIs(2));
   fs::create_directory(fs::path(root_) / ".20260101-000000-aaaaaaaa.gone");
-  fs::create_directory(fs::path(root_) / ".not ours.part");
+  for (const char* name : {".not ours.part", ".holiday.part", ".20260101-000000-a.part"})
+    fs::create_directory(fs::path(root_) / name);
   const std::string id = saved();
-  EXPECT_THAT(names_in(root_), UnorderedElementsAre(".not ours.part", "." + writing->id() + ".part", id));
+  EXPECT_THAT(names_in(root_), UnorderedElementsAre(".not ours.part", ".holiday.part", ".20260101-000000-a.part",
+                                                    "." + writing->id() + ".part", id));
   EXPECT_TRUE(writing->finish(test::a_record()));
 }
 
