@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "person/data_files.h"
 
+#include <cstdint>
+#include <utility>
+
 namespace im2fit {
 namespace {
+
+constexpr const char* kBodyMaker = "im2fit-lab fetch";
+constexpr const char* kIndexMaker = "im2fit-lab index";
+constexpr const char* kTrackerMaker = "im2fit-lab train";
 
 // A missing file is the first thing a newcomer meets: say what makes it. One that may not be read is there.
 Error advised(const Error& error, const char* maker) {
@@ -14,23 +21,34 @@ Error advised(const Error& error, const char* maker) {
 
 }  // namespace
 
+Status check_data_files(const std::string& tracker, const std::string& index, const std::string& body) {
+  const std::pair<const std::string&, const char*> files[] = {
+      {tracker, kTrackerMaker}, {index, kIndexMaker}, {body, kBodyMaker}};
+  std::vector<std::byte> nothing;
+  for (const auto& [path, maker] : files) {
+    if (path.empty()) continue;
+    if (auto opened = read_file_into(path, SIZE_MAX, 0, nothing); !opened) return advised(opened.error(), maker);
+  }
+  return Ok{};
+}
+
 Result<body::BodyModel> load_body(const std::string& path) {
   auto model = body::BodyModel::load(path);
-  if (!model) return advised(model.error(), "im2fit-lab fetch");
+  if (!model) return advised(model.error(), kBodyMaker);
   return model;
 }
 
 Result<index::Index> load_index(const std::string& path) {
   auto index = index::Index::open(path);
-  if (!index) return advised(index.error(), "im2fit-lab index");
+  if (!index) return advised(index.error(), kIndexMaker);
   return index;
 }
 
 Result<Tracker> Tracker::load(const std::string& path) {
   auto file = MappedFile::open(path);
-  if (!file) return advised(file.error(), "im2fit-lab train");
+  if (!file) return advised(file.error(), kTrackerMaker);
   auto model = JointModel::parse(file->bytes(), path);
-  if (!model) return advised(model.error(), "im2fit-lab train");
+  if (!model) return advised(model.error(), kTrackerMaker);
   return Tracker(std::move(*file), std::move(*model));
 }
 

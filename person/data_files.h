@@ -18,6 +18,9 @@ namespace im2fit {
 Result<body::BodyModel> load_body(const std::string& path);
 Result<index::Index> load_index(const std::string& path);
 
+// Whether the files can be opened; "" is passed over. Nothing is read. Errors: as of loading them.
+Status check_data_files(const std::string& tracker, const std::string& index, const std::string& body);
+
 // A joint model and the mapping or the bytes it views into.
 class Tracker {
  public:

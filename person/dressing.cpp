@@ -14,6 +14,13 @@ Result<std::unique_ptr<body::Outfit>> dress(const Wardrobe& wardrobe, const body
                                             std::span<const Worn> worn, bool moves) {
   std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
   model.morph(params, rest);
+  return dress(wardrobe, model, rest, body::rest_skeleton(model, rest), pose, woman, worn, moves);
+}
+
+Result<std::unique_ptr<body::Outfit>> dress(const Wardrobe& wardrobe, const body::BodyModel& model,
+                                            std::span<const Vec3f> rest, const body::Skeleton& skeleton,
+                                            const body::Pose& pose, bool woman, std::span<const Worn> worn,
+                                            bool moves) {
   const float inside_leg_mm = body::inside_leg_mm(model, rest);
   std::vector<body::Outfit::Piece> pieces;
   for (const Worn& one : worn) {
@@ -25,7 +32,7 @@ Result<std::unique_ptr<body::Outfit>> dress(const Wardrobe& wardrobe, const body
     pieces.push_back(body::Outfit::piece(*one.pattern, cut, *fabric, moves));
   }
   auto outfit = std::make_unique<body::Outfit>(model, std::move(pieces));
-  outfit->dress(rest, body::rest_skeleton(model, rest), pose);
+  outfit->dress(rest, skeleton, pose);
   return outfit;
 }
 

@@ -27,4 +27,10 @@ Result<std::unique_ptr<body::Outfit>> dress(const Wardrobe& wardrobe, const body
                                             const body::Params& params, const body::Pose& pose, bool woman,
                                             std::span<const Worn> worn, bool moves = false);
 
+// The same on a body that was morphed before. `rest`: all of the model's vertices; `skeleton`: theirs.
+Result<std::unique_ptr<body::Outfit>> dress(const Wardrobe& wardrobe, const body::BodyModel& model,
+                                            std::span<const Vec3f> rest, const body::Skeleton& skeleton,
+                                            const body::Pose& pose, bool woman, std::span<const Worn> worn,
+                                            bool moves = false);
+
 }  // namespace im2fit

@@ -52,6 +52,15 @@ bool MeasuringData::fits_shapes() const {
 Result<MeasuringData> load_measuring_data(const MeasuringFiles& files, MeasuringBytes bytes) {
   MeasuringData data;
   data.files = files;
+  // What people write by hand comes first: models take longer to read.
+  auto charts = load_size_charts(files.size_charts);
+  if (!charts) return charts.error();
+  data.charts = std::move(*charts);
+  if (!files.site.empty() || bytes.site) {
+    auto site = bytes.site ? SiteCalibration::parse(*bytes.site, files.site) : SiteCalibration::load(files.site);
+    if (!site) return site.error();
+    data.site = std::make_unique<SiteCalibration>(std::move(*site));
+  }
   auto tracker =
       bytes.tracker ? Tracker::parse(std::move(*bytes.tracker), files.tracker) : Tracker::load(files.tracker);
   if (!tracker) return tracker.error();
@@ -66,18 +75,12 @@ Result<MeasuringData> load_measuring_data(const MeasuringFiles& files, Measuring
     if (!model) return model.error();
     data.body_model = std::make_unique<body::BodyModel>(std::move(*model));
   }
-  auto charts = load_size_charts(files.size_charts);
-  if (!charts) return charts.error();
-  data.charts = std::move(*charts);
   if (data.body_model != nullptr && !data.fits_shapes())
     data.warnings.push_back(
         files.index + ": not made with the shapes of " + files.body +
         ": only features are used, with larger errors; build the index again with im2fit-lab index");
-  if (files.site.empty() && !bytes.site) return data;
-  auto site = bytes.site ? SiteCalibration::parse(*bytes.site, files.site) : SiteCalibration::load(files.site);
-  if (!site) return site.error();
-  data.site = std::make_unique<SiteCalibration>(std::move(*site));
-  if (auto compared = compare_index(data, index_crc); !compared) return compared.error();
+  if (data.site != nullptr)
+    if (auto compared = compare_index(data, index_crc); !compared) return compared.error();
   return data;
 }
 

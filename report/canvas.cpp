@@ -69,6 +69,11 @@ Rgb Canvas::at(int x, int y) const {
   return pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
 }
 
+std::span<Rgb> Canvas::row(int y) {
+  return std::span(pixels_).subspan(static_cast<std::size_t>(y) * static_cast<std::size_t>(width_),
+                                    static_cast<std::size_t>(width_));
+}
+
 void Canvas::set(int x, int y, Rgb colour, float alpha) {
   if (x < 0 || y < 0 || x >= width_ || y >= height_ || alpha <= 0) return;
   Rgb& p = pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +26,7 @@ class Canvas {
   int width() const { return width_; }
   int height() const { return height_; }
   Rgb at(int x, int y) const;  // inside the picture
+  std::span<Rgb> row(int y);   // inside the picture
   // Drawing outside the picture is cut off. `alpha` 0..1 mixes with what is there.
   void set(int x, int y, Rgb colour, float alpha = 1.0F);
   void line(float x0, float y0, float x1, float y1, float thickness, Rgb colour, float alpha = 1.0F);

@@ -28,10 +28,8 @@ class Painter {
         canvas_(input.intrinsics.width * scale_, input.intrinsics.height * scale_) {}
 
   Canvas paint() {
-    find_range();
-    for (int v = 0; v < in_.intrinsics.height; ++v)
-      for (int u = 0; u < in_.intrinsics.width; ++u)
-        canvas_.rectangle(u * scale_, v * scale_, scale_, scale_, ground_at(u, v));
+    take_depth();
+    for (int v = 0; v < in_.intrinsics.height; ++v) paint_ground(v);
     if (in_.has_joints) paint_skeleton();
     paint_sections();
     paint_captions();
@@ -42,52 +40,76 @@ class Painter {
   bool person_at(int u, int v) const { return in_.mask.pixels != nullptr && in_.mask.at(u, v) != 0; }
 
   // Depth in mm: fused where there is some, else the frame's; 0 = none.
-  float depth_at(int u, int v) const {
-    if (in_.fused_q4.pixels != nullptr && person_at(u, v) && in_.fused_q4.at(u, v) != 0)
-      return static_cast<float>(in_.fused_q4.at(u, v)) / 16.0F;
-    return in_.frame.pixels != nullptr ? static_cast<float>(in_.frame.at(u, v)) : 0.0F;
+  float depth_at(int u, int v) const { return depth_row(v)[u]; }
+  const float* depth_row(int v) const {
+    return depth_mm_.data() + static_cast<std::ptrdiff_t>(v) * in_.intrinsics.width;
   }
 
-  void find_range() {
-    for (int v = 0; v < in_.intrinsics.height; ++v)
-      for (int u = 0; u < in_.intrinsics.width; ++u) {
-        const float z = depth_at(u, v);
+  void take_depth() {
+    const auto& k = in_.intrinsics;
+    depth_mm_.resize(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height));
+    left_ = k.width;
+    top_ = k.height;
+    float* out = depth_mm_.data();
+    for (int v = 0; v < k.height; ++v)
+      for (int u = 0; u < k.width; ++u, ++out) {
+        const bool person = person_at(u, v);
+        const bool fused = person && in_.fused_q4.pixels != nullptr && in_.fused_q4.at(u, v) != 0;
+        const float z = fused ? static_cast<float>(in_.fused_q4.at(u, v)) / 16.0F
+                              : (in_.frame.pixels != nullptr ? static_cast<float>(in_.frame.at(u, v)) : 0.0F);
+        *out = z;
+        if (person) {
+          left_ = std::min(left_, u);
+          right_ = std::max(right_, u + 1);
+          top_ = std::min(top_, v);
+          bottom_ = std::max(bottom_, v + 1);
+        }
         if (z <= 0 || z > 10000) continue;
         near_mm_ = std::min(near_mm_, z);
         far_mm_ = std::max(far_mm_, z);
       }
   }
 
+  static float slope(float a, float b, int step_px, float focal, float z) {
+    constexpr float kStepMm = 60.0F;  // a larger jump is an edge, not a slope
+    if (a <= 0 || b <= 0 || std::abs(a - b) > kStepMm || step_px <= 0) return 0.0F;
+    return (b - a) * focal / (static_cast<float>(step_px) * z);
+  }
+
   // Light from above the camera: the slope of depth over two pixels gives the normal.
-  float shade_at(int u, int v) const {
-    const auto& k = in_.intrinsics;
-    const int u0 = std::max(0, u - 1);
-    const int u1 = std::min(k.width - 1, u + 1);
-    const int v0 = std::max(0, v - 1);
-    const int v1 = std::min(k.height - 1, v + 1);
-    const float z = depth_at(u, v);
-    const auto slope = [&](float a, float b, float step_px, float focal) {
-      constexpr float kStepMm = 60.0F;  // a larger jump is an edge, not a slope
-      if (a <= 0 || b <= 0 || std::abs(a - b) > kStepMm || step_px <= 0) return 0.0F;
-      return (b - a) * focal / (step_px * z);
-    };
-    const float sx = slope(depth_at(u0, v), depth_at(u1, v), static_cast<float>(u1 - u0), k.fx);
-    const float sy = slope(depth_at(u, v0), depth_at(u, v1), static_cast<float>(v1 - v0), k.fy);
-    const Vec3f normal = normalized({sx, sy, -1.0F});
+  static float shade_of(float slope_x, float slope_y) {
+    const Vec3f normal = normalized({slope_x, slope_y, -1.0F});
     return std::clamp(dot(normal, kLight), 0.15F, 1.0F);
   }
 
-  Rgb ground_at(int u, int v) const {
-    const float z = depth_at(u, v);
-    if (z <= 0) return {18, 18, 24};
+  Rgb ground(float z, float shade, bool person) const {
     const float nearness = 1.0F - std::clamp((z - near_mm_) / std::max(1.0F, far_mm_ - near_mm_), 0.0F, 1.0F);
-    const float shade = shade_at(u, v);
     const auto grey = static_cast<std::uint8_t>(40 + 150 * (shade * (0.45F + 0.55F * nearness)));
     const Rgb ground{grey, grey, grey};
-    if (!person_at(u, v)) return ground;
+    if (!person) return ground;
     const float bright = 0.25F + 0.75F * shade;
     const auto lit = [&](std::uint8_t c) { return static_cast<std::uint8_t>(static_cast<float>(c) * bright); };
     return mixed(ground, {lit(kTint.r), lit(kTint.g), lit(kTint.b)}, 0.8F);
+  }
+
+  // A row of the frame, as `scale_` rows of the picture.
+  void paint_ground(int v) {
+    const auto& k = in_.intrinsics;
+    const int v0 = std::max(0, v - 1), v1 = std::min(k.height - 1, v + 1);
+    const float *above = depth_row(v0), *here = depth_row(v), *below = depth_row(v1);
+    const std::span<Rgb> first = canvas_.row(v * scale_);
+    Rgb* out = first.data();
+    for (int u = 0; u < k.width; ++u) {
+      Rgb colour{18, 18, 24};
+      if (const float z = here[u]; z > 0) {
+        const int u0 = std::max(0, u - 1), u1 = std::min(k.width - 1, u + 1);
+        colour = ground(
+            z, shade_of(slope(here[u0], here[u1], u1 - u0, k.fx, z), slope(above[u], below[u], v1 - v0, k.fy, z)),
+            person_at(u, v));
+      }
+      out = std::fill_n(out, scale_, colour);
+    }
+    for (int i = 1; i < scale_; ++i) std::copy(first.begin(), first.end(), canvas_.row(v * scale_ + i).begin());
   }
 
   std::pair<float, float> project(Vec3f p) const {
@@ -124,8 +146,8 @@ class Painter {
     const Vec3f middle = (in_.joints[Joint::NE] + in_.joints[Joint::TO]) * 0.5F;
     float right_x = -1;
     float right_y = 0;
-    for (int u = 0; u < k.width; ++u)
-      for (int v = 0; v + 1 < k.height; ++v) {
+    for (int u = left_; u < right_; ++u)
+      for (int v = top_; v + 1 < bottom_; ++v) {
         if (!person_at(u, v) || !person_at(u, v + 1)) continue;
         const float z = depth_at(u, v);
         const float z_below = depth_at(u, v + 1);
@@ -187,6 +209,8 @@ class Painter {
   const OverlayInput& in_;
   int scale_;
   Canvas canvas_;
+  std::vector<float> depth_mm_;
+  int left_ = 0, right_ = 0, top_ = 0, bottom_ = 0;  // of the person, one beyond at right and bottom
   float near_mm_ = 1e9F, far_mm_ = 0;
   std::vector<Label> labels_;
 };

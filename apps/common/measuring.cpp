@@ -22,10 +22,10 @@ std::optional<SensorKind> named_sensor(const std::string& name) {
 }  // namespace
 
 Result<MeasuringData> load_measuring_data(const MeasuringOptions& options, const std::string& body) {
-  auto data = im2fit::load_measuring_data({options.tracker, options.index, body, options.size_charts, options.site});
-  if (!data) return data;
   auto tape = load_tapes(options.tapes);
   if (!tape) return tape.error();
+  auto data = im2fit::load_measuring_data({options.tracker, options.index, body, options.size_charts, options.site});
+  if (!data) return data;
   data->tape = std::make_unique<body::Tape>(std::move(*tape));
   return data;
 }

@@ -190,11 +190,13 @@ class LiveRun {
 
   Status show_person(bool corrected) {
     const std::string out = folder();
-    if (!out.empty() || listener_ != nullptr)
+    if (listener_ != nullptr)
       if (auto dressed = dress(outcome_); !dressed) return dressed;
     if (!out.empty()) {
       if (auto made = make_directory(out); !made) return made;
-      if (auto written = corrected ? rewrite_outputs(outcome_, out) : write_outputs(outcome_, out); !written)
+      const WantedFiles wanted = wanted_files(options_.session);
+      if (auto written = corrected ? rewrite_outputs(outcome_, out, wanted) : write_outputs(outcome_, out, wanted);
+          !written)
         return written;
     }
     preview_.say(fmt::format("person {}: {}", persons_, summary(outcome_.person)));
@@ -228,7 +230,8 @@ class LiveRun {
     // Damaged frames among good ones are left out. If all frames are damaged there is no stream.
     if (result.frames_seen == 0 && outcome_.tap->first_damage()) return *outcome_.tap->first_damage();
     if (options_.session.json && !options_.session.out.empty())
-      if (auto written = write_outputs(outcome_, options_.session.out); !written) return written.error();
+      if (auto written = write_outputs(outcome_, options_.session.out, wanted_files(options_.session)); !written)
+        return written.error();
     Json event = {{"event", "end"}, {"frame", frames_}, {"persons", 0}};
     event["result"] = *parse_json<Json>(result_json(outcome_.person), "result.json");
     if (auto sent = publish(event); !sent) return sent.error();

@@ -8,7 +8,6 @@
 #include <system_error>
 
 #include "apps/im2fit/session.h"
-#include "body/export/export.h"
 #include "body/measure.h"
 #include "core/file.h"
 #include "garment/drape/wear.h"
@@ -29,10 +28,10 @@ std::string upper(std::string text) {
 // Where the answered body is measured, as heights above the floor.
 std::vector<SectionLine> section_lines(const SessionOutcome& outcome) {
   std::vector<SectionLine> lines;
-  if (!outcome.person.body) return lines;
+  if (!outcome.avatar) return lines;
   const body::BodyModel& model = *outcome.data.body_model;
   body::Measurer measurer(model);
-  measurer.measure(outcome.person.body->params);
+  measurer.measure_rest_mesh(outcome.avatar->figure.rest, outcome.avatar->avatar.params.gender);
   const std::span<const Vec3f> relaxed = measurer.posed();
   float lowest = relaxed[0].y;
   for (int i = 0; i < model.body_vertex_count(); ++i)
@@ -81,71 +80,86 @@ Status write_overlay(const SessionOutcome& outcome, const std::string& path) {
 
 }  // namespace
 
-Status dress(SessionOutcome& outcome) {
+namespace {
+
+Status make_avatar(SessionOutcome& outcome) {
   const auto& body = outcome.person.body;
-  if (!body || outcome.dressed) return Ok{};
-  const body::BodyModel& model = *outcome.data.body_model;
+  if (!body || outcome.avatar) return Ok{};
+  MeasuredAvatar made;
+  made.avatar = {outcome.data.body_model.get(), body->params, body->pose};
+  auto figure = body::make_figure(made.avatar);
+  if (!figure) return figure.error();
+  made.figure = std::move(*figure);
+  outcome.avatar = std::move(made);
+  return Ok{};
+}
+
+}  // namespace
+
+Status dress(SessionOutcome& outcome) {
+  if (auto made = make_avatar(outcome); !made) return made;
+  if (!outcome.avatar || !outcome.avatar->glb.empty()) return Ok{};
+  auto& [avatar, figure, glb] = *outcome.avatar;
   const Wardrobe& wardrobe = builtin_wardrobe();
   const bool woman = outcome.person.result.answer.female > 0.5F;
   const auto worn = everyday_clothes(wardrobe, outcome.person.fits);
-  auto outfit = im2fit::dress(wardrobe, model, body->params, body->pose, woman, worn);
+  const auto outfit = im2fit::dress(wardrobe, *avatar.model, figure.rest, figure.skeleton, avatar.pose, woman, worn);
   if (!outfit) return outfit.error();
-  DressedAvatar dressed;
-  dressed.avatar = {&model, body->params, body->pose};
   std::vector<body::ClothLook> looks;
   for (const Worn& one : worn) looks.push_back({one.pattern->id, one.pattern->colour});
-  body::wear(dressed.avatar, **outfit, looks);
-  auto glb = body::glb_of(dressed.avatar);
-  if (!glb) return glb.error();
-  dressed.glb = std::move(*glb);
-  outcome.dressed = std::move(dressed);
+  body::wear(avatar, **outfit, looks);
+  glb = body::glb_of(avatar, figure);
   return Ok{};
 }
 
 namespace {
 
-// What dress() made.
-Status write_avatar(const SessionOutcome& outcome, const std::string& directory) {
-  if (!outcome.dressed) return Ok{};
-  const DressedAvatar& avatar = *outcome.dressed;
-  if (const auto written = body::write_bvh(avatar.avatar, directory + "/avatar.bvh"); !written)
-    return written.error();
-  if (const auto written = write_file_atomically(directory + "/avatar.glb", avatar.glb, Readable::by_owner); !written)
-    return written.error();
-  if (const auto written = body::write_textured_obj(avatar.avatar, directory + "/avatar.obj"); !written)
-    return written.error();
-  return Ok{};
+Status write_avatar(const SessionOutcome& outcome, const std::string& directory, const WantedFiles& wanted) {
+  if (!outcome.avatar) return Ok{};
+  const auto& [avatar, figure, dressed] = *outcome.avatar;
+  const std::string name = directory + "/avatar";
+  if (wanted.bvh)
+    if (auto written = body::write_bvh(figure, name + ".bvh"); !written) return written;
+  if (wanted.glb()) {
+    const auto glb = wanted.clothes ? dressed : body::glb_of(avatar, figure);
+    if (auto written = write_file_atomically(name + ".glb", glb, Readable::by_owner); !written) return written;
+  }
+  return wanted.obj ? body::write_textured_obj(avatar, figure, name + ".obj") : Ok{};
+}
+
+Status write_result(const SessionOutcome& outcome, const std::string& directory) {
+  return write_file_atomically(directory + "/result.json", result_json(outcome.person, outcome.timing),
+                               Readable::by_owner);
 }
 
 }  // namespace
 
 // The answer first: a few kilobytes, which fit where the body's megabytes do not, and nothing of the clothes loses
 // it. The overlay is drawn while the body is dressed: on another thread where there is one to have.
-Status write_outputs(SessionOutcome& outcome, const std::string& directory) {
-  if (const auto written = write_file_atomically(directory + "/result.json",
-                                                 result_json(outcome.person, outcome.timing), Readable::by_owner);
-      !written)
-    return written.error();
+Status write_outputs(SessionOutcome& outcome, const std::string& directory, const WantedFiles& wanted) {
+  if (wanted.result)
+    if (auto written = write_result(outcome, directory); !written) return written;
+  if (wanted.body())
+    if (auto made = make_avatar(outcome); !made) return made;
   std::future<Status> overlay;
-  if (outcome.shown->depth().pixels != nullptr)
+  if (wanted.overlay && outcome.shown->depth().pixels != nullptr)
     overlay = std::async([&outcome, path = directory + "/overlay.png"] { return write_overlay(outcome, path); });
-  const auto dressed = dress(outcome);
+  const Status dressed = wanted.clothes ? dress(outcome) : Ok{};
   if (overlay.valid())
-    if (const auto drawn = overlay.get(); !drawn) return drawn;
+    if (auto drawn = overlay.get(); !drawn) return drawn;
   if (!dressed) return dressed;
-  return write_avatar(outcome, directory);
+  return write_avatar(outcome, directory, wanted);
 }
 
-Status rewrite_outputs(SessionOutcome& outcome, const std::string& directory) {
-  std::error_code fault;
-  std::filesystem::remove(directory + "/overlay.png", fault);
-  if (fault) return Error{ErrorCode::io, "cannot delete " + directory + "/overlay.png: " + fault.message()};
-  if (const auto written = write_file_atomically(directory + "/result.json",
-                                                 result_json(outcome.person, outcome.timing), Readable::by_owner);
-      !written)
-    return written.error();
-  if (const auto dressed = dress(outcome); !dressed) return dressed;
-  return write_avatar(outcome, directory);
+Status rewrite_outputs(SessionOutcome& outcome, const std::string& directory, const WantedFiles& wanted) {
+  if (wanted.overlay) {
+    std::error_code fault;
+    std::filesystem::remove(directory + "/overlay.png", fault);
+    if (fault) return Error{ErrorCode::io, "cannot delete " + directory + "/overlay.png: " + fault.message()};
+  }
+  WantedFiles again = wanted;
+  again.overlay = false;
+  return write_outputs(outcome, directory, again);
 }
 
 namespace {
@@ -307,7 +321,8 @@ std::vector<std::string> session_notes(const SessionOutcome& outcome) {
 Result<int> report_session(SessionOutcome& outcome, const SessionOptions& options) {
   const EngineResult& result = outcome.person.result;
   if (!options.out.empty())
-    if (const auto written = write_outputs(outcome, options.out); !written) return written.error();
+    if (const auto written = write_outputs(outcome, options.out, wanted_files(options)); !written)
+      return written.error();
   if (options.json) fmt::print("{}", result_json(outcome.person, outcome.timing));
   if (const auto flushed = flush_output(); !flushed) return flushed.error();
   const std::string damage = damage_words(outcome);

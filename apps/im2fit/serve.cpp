@@ -70,11 +70,11 @@ class PageListener final : public LiveListener {
   void see(const FrameSeen& frame) override { page_.see(frame); }
   void publish(const Json& event) override { page_.publish(event); }
   Status measured(const SessionOutcome& session) override {
-    if (!session.dressed) return Ok{};
-    const body::Avatar& avatar = session.dressed->avatar;
+    if (!session.avatar) return Ok{};
+    const body::Avatar& avatar = session.avatar->avatar;
     page_.may_try_on(
         {"", avatar.params, avatar.pose, session.person.result.answer.female > 0.5F, session.person.fits});
-    return page_.measured(avatar, session.dressed->glb);
+    return page_.measured(avatar, session.avatar->glb);
   }
 
  private:
@@ -242,6 +242,7 @@ void add_serve(cli::App& app, Command& chosen) {
       "0.0.0.0     every machine that can reach this one sees the camera's pictures",
       options, run_serve);
   add_live_options(*sub, options->live);
+  sub->remove_option(sub->get_option("--only"));  // the page shows everything
   sub->get_option("--count")->description("Measure N people, then only show; 0: until Ctrl-C");
   sub->add_flag("--no-consent", options->no_consent,
                 "Measure the person in view without consent on the page: for recordings and for yourself");

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
+#include <string_view>
 #include <utility>
 
 #include "engine/engine.h"
@@ -21,11 +23,47 @@ double now_ms() {
 
 }  // namespace
 
+Result<WantedFiles> wanted_files(const std::string& words) {
+  constexpr std::pair<std::string_view, bool WantedFiles::*> kWords[] = {
+      {"result", &WantedFiles::result},   {"avatar", &WantedFiles::avatar}, {"overlay", &WantedFiles::overlay},
+      {"clothes", &WantedFiles::clothes}, {"obj", &WantedFiles::obj},       {"bvh", &WantedFiles::bvh}};
+  WantedFiles wanted{false, false, false, false, false, false};
+  for (std::size_t begin = 0; begin <= words.size();) {
+    const std::size_t end = std::min(words.find(',', begin), words.size());
+    const std::string word = words.substr(begin, end - begin);
+    const auto* known =
+        std::find_if(std::begin(kWords), std::end(kWords), [&](const auto& one) { return one.first == word; });
+    if (known == std::end(kWords)) {
+      std::string all;
+      for (const auto& one : kWords) all += (all.empty() ? "" : ", ") + std::string(one.first);
+      return Error{ErrorCode::invalid_argument,
+                   (word.empty() ? "an empty word" : "'" + word + "' is not known") + "; words are " + all};
+    }
+    wanted.*known->second = true;
+    begin = end + 1;
+  }
+  return wanted;
+}
+
+WantedFiles wanted_files(const SessionOptions& options) {
+  const auto wanted = wanted_files(options.only);
+  return wanted ? *wanted : WantedFiles();  // the error of "": all
+}
+
 void add_session_options(cli::App& sub, SessionOptions& options) {
   add_input_options(sub, options.input);
   add_reconnect_option(sub, options.input);
   sub.add_option("--out", options.out, "Folder for result.json, avatar.glb, .obj, .bvh and overlay.png")
       ->type_name("DIR");
+  sub.add_option("--only", options.only,
+                 "Files of --out, the others are not computed: result, avatar, overlay, clothes (the avatar wears "
+                 "them), obj, bvh; several with commas between. Default: all")
+      ->type_name("WORDS")
+      ->check([](const std::string& words) {
+        const auto wanted = wanted_files(words);
+        return wanted ? std::string() : wanted.error().message;
+      })
+      ->needs(sub.get_option("--out"));
   sub.add_option("--tracker", options.tracker, "Tracker file")->type_name("FILE")->capture_default_str();
   sub.add_option("--index", options.index, "Index file")->type_name("FILE")->capture_default_str();
   sub.add_option("--frames", options.frames,
@@ -101,16 +139,22 @@ DepthView ShownFrame::depth() const {
 }
 
 Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch engine_watch, FrameTap::Watch watch) {
-  auto data = load_measuring_data(options, options.input.body);
-  if (!data) return data.error();
-  if (!options.out.empty())
-    if (const auto made = make_directory(options.out); !made) return made.error();
+  // What is cheap to check comes before what takes long: the models' absence, the source, the folder, the models.
+  if (auto there = check_data_files(options.tracker, options.index, options.input.body); !there) return there.error();
   InputOptions opening = options.input;
   opening.turn = turn_of(options.turn);
   opening.turn_after_frames = options.frames + kTurnSpareFrames;
   opening.clothed = clothing_of(options.clothing) == ClothingGiven::dressed;
   auto input = open_input(opening);
   if (!input) return input.error();
+  if (!options.out.empty())
+    if (const auto made = make_directory(options.out); !made) return made.error();
+  auto data = load_measuring_data(options, options.input.body);
+  if (!data) return data.error();
+  // Of what is printed or written, result.json and clothes alone rest on the tape.
+  const WantedFiles wanted = wanted_files(options);
+  if (!options.live && !options.json && (options.out.empty() || !(wanted.result || wanted.clothes)))
+    data->tape.reset();
   for (const std::string& warning : data->warnings) fmt::print(stderr, "{}\n", warning);
   auto shown = std::make_unique<ShownFrame>();
   std::unique_ptr<MotionRecording> motion;
@@ -140,7 +184,7 @@ namespace {
 
 // `frames_damaged`: of the frames behind the person.
 Status take_person(SessionOutcome& outcome, Result<PersonMeasurement> person, std::uint64_t frames_damaged) {
-  outcome.dressed.reset();
+  outcome.avatar.reset();
   outcome.person = {};
   if (!person) return person.error();
   outcome.person = std::move(*person);

@@ -12,30 +12,48 @@
 #include "apps/common/input.h"
 #include "apps/common/known_options.h"
 #include "apps/common/measuring.h"
-#include "body/export/export.h"
+#include "body/export/figure.h"
 #include "report/motion_recording.h"
 
 namespace im2fit::apps {
+
+// The files of --out that are made. Nothing is computed for the others.
+struct WantedFiles {
+  bool result = true;   // result.json
+  bool avatar = true;   // avatar.glb
+  bool overlay = true;  // overlay.png
+  bool clothes = true;  // avatar.glb in everyday clothes
+  bool obj = true;      // avatar.obj and what it names
+  bool bvh = true;      // avatar.bvh
+  bool glb() const { return avatar || clothes; }
+  bool body() const { return glb() || overlay || obj || bvh; }  // a mesh is made
+};
+// Of words of --only: "result,avatar". Error: a word is empty or unknown.
+Result<WantedFiles> wanted_files(const std::string& words);
 
 struct SessionOptions : MeasuringOptions {
   KnownOptions known_words;  // `known`, as the command line has it
   InputOptions input;
   std::string out;     // "": no files
+  std::string only;    // words of wanted_files(); "": all files
   std::string motion;  // file of the joints over time; "": none
   bool json = false;
   bool timing = false;
   bool paper = false;  // the paper's values in the table, beside ours
 };
+// Of options that passed the checks of add_session_options.
+WantedFiles wanted_files(const SessionOptions& options);
 void add_session_options(cli::App& sub, SessionOptions& options);
 void add_motion_option(cli::App& sub, std::string& path);
 
 // Called for every frame read, with the engine's latest result.
 using SessionWatch = std::function<void(std::uint64_t frame_count, const EngineResult& result)>;
 
-// The measured body in everyday clothes of its size.
-struct DressedAvatar {
-  body::Avatar avatar;  // refers to the session's body model
-  std::vector<std::byte> glb;
+// The measured body, morphed once for all files.
+struct MeasuredAvatar {
+  body::Avatar avatar;  // refers to the session's body model; once dressed, in everyday clothes of its size
+  body::Figure figure;
+  std::vector<std::byte> glb;  // once dressed
 };
 
 // The frame behind the report: the last used frame of the front, or the last frame seen while none was used. The
@@ -63,7 +81,7 @@ struct SessionOutcome {
   std::unique_ptr<Engine> engine;
   std::unique_ptr<FrameTap> tap;
   PersonMeasurement person;              // the engine's report when it was concluded
-  std::optional<DressedAvatar> dressed;  // once dress() was called
+  std::optional<MeasuredAvatar> avatar;  // once dress() or write_outputs() was called
   std::optional<ResultTiming> timing;
 };
 
@@ -77,15 +95,16 @@ Status conclude_again(SessionOutcome& outcome, const EngineResult& unconditioned
 // Opens, runs to the end or the measurement, concludes.
 Result<SessionOutcome> run_session(const SessionOptions& options, const SessionWatch& watch);
 
-// Makes `dressed` of the body, if there is one; some seconds. The outcome must stay where it is.
+// Makes `avatar` of the body in everyday clothes and its glb, if there is a body; some seconds. The outcome must stay
+// where it is.
 Status dress(SessionOutcome& outcome);
 
 // Files, then the answer on stdout; exit 3 when there is none.
 Result<int> report_session(SessionOutcome& outcome, const SessionOptions& options);
-// result.json first and always; when measured, dress() and avatar.glb, .obj, .bvh; overlay.png after any frame.
-Status write_outputs(SessionOutcome& outcome, const std::string& directory);
+// result.json first; when measured, avatar.glb, .obj, .bvh; overlay.png after any frame.
+Status write_outputs(SessionOutcome& outcome, const std::string& directory, const WantedFiles& wanted = {});
 // After conclude_again(): the same without overlay.png, which shows the values of before and is deleted.
-Status rewrite_outputs(SessionOutcome& outcome, const std::string& directory);
+Status rewrite_outputs(SessionOutcome& outcome, const std::string& directory, const WantedFiles& wanted);
 // What a person should know of a measurement beside its values: damaged frames, a back that was not used.
 std::vector<std::string> session_notes(const SessionOutcome& outcome);
 // The motion moves the body measured, or an average adult's. What was written, in a line with its end.

@@ -18,6 +18,12 @@ struct Figure {
 };
 Result<Figure> make_figure(const Avatar& avatar);
 
+// The writers of export.h for a figure that is there: an avatar in several forms is morphed and posed once. `figure`
+// is that of the avatar's model, params and pose.
+std::vector<std::byte> glb_of(const Avatar& avatar, const Figure& figure);
+Status write_textured_obj(const Avatar& avatar, const Figure& figure, const std::string& path);
+Status write_bvh(const Figure& figure, const std::string& path);
+
 // Rotation of a segment relative to its parent.
 Mat3f local_rotation(const Pose& pose, std::size_t segment);
 

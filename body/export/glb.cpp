@@ -296,40 +296,37 @@ void append_chunk(std::vector<std::byte>& out, const char* kind, std::span<const
 }
 
 // A still avatar without keys.
-Result<std::vector<std::byte>> bytes_of(const Avatar& avatar, std::span<const PoseKey> keys) {
-  const auto figure = make_figure(avatar);
-  if (!figure) return figure.error();
+std::vector<std::byte> bytes_of(const Avatar& avatar, const Figure& figure, std::span<const PoseKey> keys) {
   const BodyModel::Data& d = avatar.model->data();
   Buffer buffer;
   // By name: clang reads a list of one in braces as that one, GCC as a list.
   Json primitives = Json::array(
-      {primitive(buffer, body_part(*avatar.model, figure->rest, figure->floor_rest, avatar.hidden_skin), 0)});
+      {primitive(buffer, body_part(*avatar.model, figure.rest, figure.floor_rest, avatar.hidden_skin), 0)});
   const bool has_look = !d.look.empty();
   Json materials =
       Json::array({has_look ? textured("skin", false, 0.7) : material("skin", {0.78F, 0.63F, 0.55F, 1}, false)});
   for (const SkinnedPart& worn : avatar.parts) {
     const std::array<float, 3> c = worn.vertex_colours.empty() ? worn.colour : std::array<float, 3>{1, 1, 1};
-    primitives.push_back(primitive(buffer, part_of(worn, figure->floor_rest), static_cast<int>(materials.size())));
+    primitives.push_back(primitive(buffer, part_of(worn, figure.floor_rest), static_cast<int>(materials.size())));
     materials.push_back(material(worn.material.c_str(), {c[0], c[1], c[2], 1}, true));
   }
   const LookOf whose = look_of(avatar.params.gender);
   if (has_look) {
     const auto add = [&](const LookPart& look, Json of) {
       if (look.quads.empty()) return;
-      primitives.push_back(
-          primitive(buffer, look_part(look, figure->floor_rest), static_cast<int>(materials.size())));
+      primitives.push_back(primitive(buffer, look_part(look, figure.floor_rest), static_cast<int>(materials.size())));
       materials.push_back(std::move(of));
     };
-    add(eyes_part(*avatar.model, figure->rest), textured("eyes", false, 0.25));
-    add(hair_part(*avatar.model, figure->rest, {}, whose), textured("hair", true, 0.6));
+    add(eyes_part(*avatar.model, figure.rest), textured("eyes", false, 0.25));
+    add(hair_part(*avatar.model, figure.rest, {}, whose), textured("hair", true, 0.6));
   }
 
   // Column-major translations by minus the joint's rest position, in the mesh's own space (floor at y = 0).
   std::vector<std::array<float, 16>> inverse_bind;
   Json joints = Json::array();
   for (std::size_t s = 0; s < static_cast<std::size_t>(kSegmentCount); ++s) {
-    const Vec3f h = figure->skeleton.head[s];
-    inverse_bind.push_back({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -h.x * kMetres, -(h.y - figure->floor_rest) * kMetres,
+    const Vec3f h = figure.skeleton.head[s];
+    inverse_bind.push_back({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -h.x * kMetres, -(h.y - figure.floor_rest) * kMetres,
                             -h.z * kMetres, 1});
     joints.push_back(s);
   }
@@ -338,9 +335,9 @@ Result<std::vector<std::byte>> bytes_of(const Avatar& avatar, std::span<const Po
 
   const std::size_t image =
       has_look ? buffer.add_bytes(d.look.texture[static_cast<std::size_t>(whose)]) : std::size_t{0};
-  const Json animations = keys.empty() ? Json() : Json::array({animation(buffer, figure->skeleton, keys)});
+  const Json animations = keys.empty() ? Json() : Json::array({animation(buffer, figure.skeleton, keys)});
 
-  Json nodes = joint_nodes(*figure);
+  Json nodes = joint_nodes(figure);
   nodes.push_back({{"name", "avatar"}, {"mesh", 0}, {"skin", 0}});
   const std::size_t mesh_node = nodes.size() - 1;
   Json document = {
@@ -372,10 +369,20 @@ Result<std::vector<std::byte>> bytes_of(const Avatar& avatar, std::span<const Po
   return chunks;
 }
 
+Result<std::vector<std::byte>> bytes_of(const Avatar& avatar, std::span<const PoseKey> keys) {
+  const auto figure = make_figure(avatar);
+  if (!figure) return figure.error();
+  return bytes_of(avatar, *figure, keys);
+}
+
 }  // namespace
 
 Result<std::vector<std::byte>> glb_of(const Avatar& avatar) {
   return bytes_of(avatar, {});
+}
+
+std::vector<std::byte> glb_of(const Avatar& avatar, const Figure& figure) {
+  return bytes_of(avatar, figure, {});
 }
 
 Result<std::vector<std::byte>> animated_glb_of(const Avatar& avatar, std::span<const PoseKey> keys) {

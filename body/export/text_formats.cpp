@@ -150,11 +150,7 @@ std::string mtl_of(const std::string& texture_name) {
   return out;
 }
 
-}  // namespace
-
-Result<std::string> obj_of(const Avatar& avatar, const std::string& material_library) {
-  const auto figure = make_figure(avatar);
-  if (!figure) return figure.error();
+std::string obj_of(const Avatar& avatar, const Figure& figure, const std::string& material_library) {
   const BodyModel& model = *avatar.model;
   std::string out = "# im2fit avatar: metres, y up\n";
   if (!material_library.empty()) out += "mtllib " + material_library + "\n";
@@ -164,16 +160,24 @@ Result<std::string> obj_of(const Avatar& avatar, const std::string& material_lib
     append_object(out, material.object, material_library.empty() ? "" : material.name, part, vertex_count, vertex_of,
                   first);
   };
-  const SkinPart body = skin_part(model, figure->posed);
+  const SkinPart body = skin_part(model, figure.posed);
   append(kObjMaterials[0], body, static_cast<std::size_t>(model.body_vertex_count()),
          [&](std::size_t v) { return static_cast<std::size_t>(body.body_vertex[v]); });
-  const Mat3f& head = figure->pose.rotation[static_cast<std::size_t>(Segment::head)];
+  const Mat3f& head = figure.pose.rotation[static_cast<std::size_t>(Segment::head)];
   const std::pair<const ObjMaterial&, LookPart> others[] = {
-      {kObjMaterials[1], eyes_part(model, figure->posed)},
-      {kObjMaterials[2], hair_part(model, figure->posed, head, look_of(avatar.params.gender))}};
+      {kObjMaterials[1], eyes_part(model, figure.posed)},
+      {kObjMaterials[2], hair_part(model, figure.posed, head, look_of(avatar.params.gender))}};
   for (const auto& [material, part] : others)
     if (!part.quads.empty()) append(material, part, part.positions.size(), [](std::size_t v) { return v; });
   return out;
+}
+
+}  // namespace
+
+Result<std::string> obj_of(const Avatar& avatar, const std::string& material_library) {
+  const auto figure = make_figure(avatar);
+  if (!figure) return figure.error();
+  return obj_of(avatar, *figure, material_library);
 }
 
 Status write_obj(const Avatar& avatar, const std::string& path) {
@@ -182,13 +186,18 @@ Status write_obj(const Avatar& avatar, const std::string& path) {
   return write_file_atomically(path, *text, Readable::by_owner);
 }
 
-// The .obj last: what it names is there before it.
 Status write_textured_obj(const Avatar& avatar, const std::string& path) {
-  if (avatar.model == nullptr || avatar.model->data().look.empty()) return write_obj(avatar, path);
+  const auto figure = make_figure(avatar);
+  if (!figure) return figure.error();
+  return write_textured_obj(avatar, *figure, path);
+}
+
+// The .obj last: what it names is there before it.
+Status write_textured_obj(const Avatar& avatar, const Figure& figure, const std::string& path) {
+  if (avatar.model->data().look.empty())
+    return write_file_atomically(path, obj_of(avatar, figure, ""), Readable::by_owner);
   const std::string stem = path.substr(0, path.size() - (path.ends_with(".obj") ? 4 : 0));
   const std::string name = stem.substr(stem.find_last_of('/') + 1);
-  const auto text = obj_of(avatar, name + ".mtl");
-  if (!text) return text.error();
   const auto whose = static_cast<std::size_t>(look_of(avatar.params.gender));
   if (auto written =
           write_file_atomically(stem + "_skin.png", avatar.model->data().look.texture[whose], Readable::by_owner);
@@ -196,7 +205,7 @@ Status write_textured_obj(const Avatar& avatar, const std::string& path) {
     return written;
   if (auto written = write_file_atomically(stem + ".mtl", mtl_of(name + "_skin.png"), Readable::by_owner); !written)
     return written;
-  return write_file_atomically(path, *text, Readable::by_owner);
+  return write_file_atomically(path, obj_of(avatar, figure, name + ".mtl"), Readable::by_owner);
 }
 
 Result<std::string> bvh_of(const Avatar& avatar) {
@@ -206,9 +215,13 @@ Result<std::string> bvh_of(const Avatar& avatar) {
 }
 
 Status write_bvh(const Avatar& avatar, const std::string& path) {
-  const auto text = bvh_of(avatar);
-  if (!text) return text.error();
-  return write_file_atomically(path, *text, Readable::by_owner);
+  const auto figure = make_figure(avatar);
+  if (!figure) return figure.error();
+  return write_bvh(*figure, path);
+}
+
+Status write_bvh(const Figure& figure, const std::string& path) {
+  return write_file_atomically(path, bvh_of(figure, std::span(&figure.pose, 1), kStillFrameS), Readable::by_owner);
 }
 
 Status write_bvh(const Avatar& avatar, std::span<const PoseKey> keys, const std::string& path) {

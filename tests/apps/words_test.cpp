@@ -44,6 +44,11 @@ TEST(Words, WrongOnesExitWithTwoAndOneLine) {
       {test::kProgram, {"measure", "x", "--calibration", "phi"}},
       {test::kProgram, {"measure", "x", "--sensor", "lidar"}},
       {test::kProgram, {"measure", "x", "--threads", "3"}},
+      {test::kProgram, {"measure", "x", "--only", "result"}},
+      {test::kProgram, {"measure", "x", "--out", "y", "--only", ""}},
+      {test::kProgram, {"measure", "x", "--out", "y", "--only", "result,,bvh"}},
+      {test::kProgram, {"measure", "x", "--out", "y", "--only", "result,"}},
+      {test::kProgram, {"live", "x", "--out", "y", "--only", "picture"}},
       {test::kProgram, {"live"}},
       {test::kProgram, {"live", "x", "--rotate", "91"}},
       {test::kProgram, {"record", "x"}},
@@ -92,6 +97,10 @@ TEST(Words, ATypoIsNamedWithWhatWasMeantAndWhoseHelpToRead) {
        {"models", "instal", "x"},
        "im2fit: im2fit models has no instal; did you mean install? (see im2fit models --help)\n"},
       {test::kProgram, {"measure"}, "im2fit: SOURCE is required (see im2fit measure --help)\n"},
+      {test::kProgram,
+       {"measure", "x", "--out", "y", "--only", "result,picture"},
+       "im2fit: --only: 'picture' is not known; words are result, avatar, overlay, clothes, obj, bvh (see im2fit "
+       "measure --help)\n"},
       {test::kLab, {"rendr"}, "im2fit-lab: im2fit-lab has no rendr; did you mean render? (see im2fit-lab --help)\n"},
   };
   for (const auto& [program, words, message] : table) EXPECT_EQ(start(program, words).err, message);
@@ -175,6 +184,37 @@ TEST(Words, SourcesThatDoNotExistFail) {
     EXPECT_THAT(run.err, testing::HasSubstr(message));
     test::expect_honest(run, folder.path("out"));
     EXPECT_THAT(test::files_in(folder.path("out")), testing::IsEmpty());
+  }
+}
+
+// Models that cannot be read are not what is reported: what people typed is checked before models are read.
+TEST(Words, WhatIsWrongWithThemIsReportedBeforeModelsAreRead) {
+  const test::TestFolder folder;
+  test::write_text(folder.path("model"), "no model");
+  test::write_depth_folder(folder.path("wall"), std::vector<test::Picture>(1, test::Picture(320, 240, 2500)));
+  test::write_text(folder.path("file"), "no folder");
+  const std::string wall = folder.path("wall");
+  const std::pair<Words, const char*> table[] = {
+      {{folder.path("nothing")}, "nothing does not exist"},
+      {{folder.path("model")}, "neither a folder nor a .oni file"},
+      {{wall, "--camera", folder.path("no.yaml")}, "no.yaml"},
+      {{wall, "--truth", folder.path("no.json")}, "no.json"},
+      {{wall, "--size-chart", folder.path("no.csv")}, "no.csv"},
+      {{wall, "--tape", folder.path("no-tape.yaml")}, "no-tape.yaml"},
+      {{wall, "--calibration-site", folder.path("no.i2c")}, "no.i2c"},
+      {{wall, "--out", folder.path("file")}, "cannot make the directory"},
+      {{wall}, "model"},  // nothing else is wrong
+  };
+  const std::string model = folder.path("model");
+  for (auto [words, message] : table) {
+    for (const char* command : {"measure", "live"}) {
+      Words all = {command, "--body", model, "--tracker", model, "--index", model};
+      all.insert(all.end(), words.begin(), words.end());
+      SCOPED_TRACE(joined(test::kProgram, all));
+      const test::Run run = start(test::kProgram, all);
+      EXPECT_EQ(run.exit_code, 1);
+      EXPECT_THAT(run.err, testing::HasSubstr(message));
+    }
   }
 }
 
