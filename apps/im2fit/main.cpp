@@ -1,5 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <string_view>
+
 #include "apps/im2fit/commands.h"
+
+namespace {
+
+struct NamedCommand {
+  std::string_view name;
+  void (*add)(im2fit::apps::cli::App& app, im2fit::apps::Command& chosen);
+};
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace im2fit::apps;
@@ -10,10 +22,24 @@ int main(int argc, char** argv) {
       "folder.\n"
       "Exit codes: 0 done, 1 failed, 2 wrong use, 3 the stream gave no measurement.");
   Command chosen;
-  for (auto* add : {add_devices, add_measure, add_live, add_record, add_tape, add_try, add_models, add_sessions})
-    add(app, chosen);
+  constexpr NamedCommand kCommands[] = {
+    {"devices", add_devices},
+    {"measure", add_measure},
+    {"live", add_live},
+    {"record", add_record},
+    {"tape", add_tape},
+    {"try", add_try},
+    {"models", add_models},
+    {"sessions", add_sessions},
 #if IM2FIT_HAVE_PAGE
-  add_serve(app, chosen);
+    {"serve", add_serve},
 #endif
+  };
+  // The options of the command that was named, and no others: all of them take longer than the program's start.
+  const std::string_view first = argc > 1 ? argv[1] : "";
+  const bool named = std::any_of(std::begin(kCommands), std::end(kCommands),
+                                 [&](const NamedCommand& command) { return command.name == first; });
+  for (const NamedCommand& command : kCommands)
+    if (named ? command.name == first : first != "--version") command.add(app, chosen);
   return run_program(app, chosen, argc, argv);
 }

@@ -15,6 +15,7 @@
 #include "apps/kiosk/host_check.h"
 #include "apps/kiosk/live_page.h"
 #include "apps/kiosk/operator_gate.h"
+#include "apps/kiosk/web_server_library.h"
 #include "apps/sessions/store.h"
 #include "person/tape_file.h"
 
@@ -192,6 +193,7 @@ Status check_facts(const ServeOptions& options) {
 }
 
 Result<int> run_serve(const ServeOptions& options) {
+  if (const auto loaded = load_web_server_library(); !loaded) return loaded.error();
   if (const auto checked = check_facts(options); !checked) return checked.error();
   if (const auto checked = check_operator(options); !checked) return checked.error();
   if (const auto checked = check_hand_over(options); !checked) return checked.error();

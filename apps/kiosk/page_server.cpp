@@ -415,12 +415,18 @@ Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address,
       parts->visitors.now_does(visitor, Visitors::Doing::asking, Clock::now());
   };
   const unsigned limit = static_cast<unsigned>(VisitorLimits{}.visitors_max) + kSpareConnections;
-  parts.daemon =
-      MHD_start_daemon(MHD_USE_POLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr, nullptr, answer, &parts,
-                       MHD_OPTION_LISTEN_SOCKET, listening.socket, MHD_OPTION_NOTIFY_CONNECTION, connected, &parts,
-                       MHD_OPTION_NOTIFY_COMPLETED, completed, &parts, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
-                       kConnectionBytes, MHD_OPTION_CONNECTION_MEMORY_INCREMENT, std::size_t{1024},
-                       MHD_OPTION_CONNECTION_LIMIT, limit, MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_END);
+  // In an array, which alone can be handed on to a library that is loaded later (web_server_library.h).
+  MHD_OptionItem options[] = {
+      {MHD_OPTION_LISTEN_SOCKET, listening.socket, nullptr},
+      {MHD_OPTION_NOTIFY_CONNECTION, reinterpret_cast<std::intptr_t>(connected), &parts},
+      {MHD_OPTION_NOTIFY_COMPLETED, reinterpret_cast<std::intptr_t>(completed), &parts},
+      {MHD_OPTION_CONNECTION_MEMORY_LIMIT, static_cast<std::intptr_t>(kConnectionBytes), nullptr},
+      {MHD_OPTION_CONNECTION_MEMORY_INCREMENT, 1024, nullptr},
+      {MHD_OPTION_CONNECTION_LIMIT, static_cast<std::intptr_t>(limit), nullptr},
+      {MHD_OPTION_STRICT_FOR_CLIENT, 1, nullptr},
+      {MHD_OPTION_END, 0, nullptr}};
+  parts.daemon = MHD_start_daemon(MHD_USE_POLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr, nullptr,
+                                  answer, &parts, MHD_OPTION_ARRAY, options, MHD_OPTION_END);
   if (parts.daemon == nullptr) return failed(errno);
   listening.socket = -1;  // the daemon's
   parts.keeper = std::thread([&parts] { parts.keep(); });

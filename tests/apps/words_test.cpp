@@ -114,6 +114,16 @@ TEST(Words, TheVersionIsTheProjects) {
   }
 }
 
+// Libraries of the page cost every start more than the program itself: `im2fit serve` alone loads them.
+TEST(Words, OnlyServeLoadsTheLibrariesOfThePage) {
+  test::RunOptions traced;
+  traced.environment = {{"LD_TRACE_LOADED_OBJECTS", "1"}};
+  const test::Run run = start(test::kProgram, {"--version"}, traced);
+  EXPECT_THAT(run.out, testing::HasSubstr("libc.so"));
+  for (const char* library : {"libmicrohttpd", "libgnutls"})
+    EXPECT_THAT(run.out, testing::Not(testing::HasSubstr(library)));
+}
+
 // Of a rendered person and of a synthetic one with a known truth.
 TEST(Words, ATruthThatIsAskedForMustBeThere) {
   IM2FIT_NEED_DATA();
