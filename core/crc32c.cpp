@@ -49,15 +49,19 @@ std::uint32_t by_tables(std::span<const std::byte> bytes, std::uint32_t crc) {
   return word;
 }
 
-// The processor's own instruction: a 100 MB index is checked in some 15 ms instead of 70. Four words a turn: what
+// The processor's own instruction: a 100 MB index is checked in some 15 ms instead of 70. Sixteen words a turn: what
 // counts words costs more than what sums them.
+constexpr std::size_t kWordsATurn = 16;
+constexpr std::size_t kTurnBytes = kWordsATurn * sizeof(std::uint64_t);
+
 #if defined(__x86_64__)
 [[gnu::target("sse4.2")]] std::uint32_t by_instruction(std::span<const std::byte> bytes, std::uint32_t crc) {
-  for (; bytes.size() >= 32; bytes = bytes.subspan(32)) {
-    const std::uint64_t half = _mm_crc32_u64(_mm_crc32_u64(crc, word_at(bytes, 0)), word_at(bytes, 1));
-    crc = static_cast<std::uint32_t>(_mm_crc32_u64(_mm_crc32_u64(half, word_at(bytes, 2)), word_at(bytes, 3)));
+  std::uint64_t sum = crc;
+  for (; bytes.size() >= kTurnBytes; bytes = bytes.subspan(kTurnBytes)) {
+#pragma GCC unroll 16
+    for (std::size_t i = 0; i < kWordsATurn; ++i) sum = _mm_crc32_u64(sum, word_at(bytes, i));
   }
-  return by_tables(bytes, crc);
+  return by_tables(bytes, static_cast<std::uint32_t>(sum));
 }
 bool has_instruction() {
   return __builtin_cpu_supports("sse4.2") != 0;
@@ -69,9 +73,9 @@ std::uint32_t add_word(std::uint32_t crc, std::uint64_t word) {
   return crc;
 }
 std::uint32_t by_instruction(std::span<const std::byte> bytes, std::uint32_t crc) {
-  for (; bytes.size() >= 32; bytes = bytes.subspan(32)) {
-    const std::uint32_t half = add_word(add_word(crc, word_at(bytes, 0)), word_at(bytes, 1));
-    crc = add_word(add_word(half, word_at(bytes, 2)), word_at(bytes, 3));
+  for (; bytes.size() >= kTurnBytes; bytes = bytes.subspan(kTurnBytes)) {
+#pragma GCC unroll 16
+    for (std::size_t i = 0; i < kWordsATurn; ++i) crc = add_word(crc, word_at(bytes, i));
   }
   return by_tables(bytes, crc);
 }
