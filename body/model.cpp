@@ -178,12 +178,10 @@ void derive(BodyModel::Data& d) {
     while (count > 0 && d.runs[t.first_run + count - 1].first_vertex >= kBodyVertexCount) --count;
     d.body_run_count.push_back(count);
   }
-  const auto arm_weight = [&](std::int32_t v) {
-    const SkinRecord& s = d.skin[static_cast<std::size_t>(v)];
-    float sum = 0;
-    for (std::size_t i = 0; i < 4; ++i) sum += is_arm(s.segment[i]) ? s.weight[i] : 0;
-    return sum;
-  };
+  std::vector<float> arm_weights(d.skin.size());
+  for (std::size_t v = 0; v < arm_weights.size(); ++v)
+    for (std::size_t i = 0; i < 4; ++i) arm_weights[v] += is_arm(d.skin[v].segment[i]) ? d.skin[v].weight[i] : 0;
+  const auto arm_weight = [&](std::int32_t v) { return arm_weights[static_cast<std::size_t>(v)]; };
   d.triangle_is_arm.reserve(d.triangles.size());
   for (const auto& t : d.triangles)
     d.triangle_is_arm.push_back(arm_weight(t[0]) + arm_weight(t[1]) + arm_weight(t[2]) >= 1.5F ? 1 : 0);

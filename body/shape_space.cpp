@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "body/shape_space.h"
 
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +10,7 @@
 #include <string_view>
 
 #include "body/model_data.h"
+#include "body/shape_tiles.h"
 #include "core/crc32c.h"
 
 namespace im2fit::body {
@@ -95,12 +98,24 @@ Result<Sections> read_sections(const ContainerReader& reader, const std::string&
   return s;
 }
 
+// As reserve(), of values that will be appended. The system makes the pages of a large array in one go where it can,
+// at a tenth of the cost of a fault for each.
+void make_room(std::vector<float>& values, std::size_t count) {
+  values.reserve(count);
+#ifdef MADV_POPULATE_WRITE
+  constexpr std::uintptr_t kPage = 4096;  // of larger pages the call fails, and faults make them
+  const auto begin = (reinterpret_cast<std::uintptr_t>(values.data()) + kPage - 1) / kPage * kPage;
+  const auto end = reinterpret_cast<std::uintptr_t>(values.data() + count) / kPage * kPage;
+  if (begin < end) (void)::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_POPULATE_WRITE);
+#endif
+}
+
 ShapeSpace empty_space(std::size_t points, std::size_t shapes) {
   ShapeSpace space;
   space.point_count = points;
   space.shape_count = shapes;
   space.point_mean.resize(points * kPointValues);
-  space.point_basis.resize(points * kPointValues * shapes);
+  make_room(space.point_basis, points * kPointValues * shapes);
   space.bone_mean.resize(kBoneValues);
   space.bone_basis.resize(kBoneValues * shapes);
   return space;
@@ -116,22 +131,31 @@ bool whole(const ShapeSpace& s) {
          finite(s.bone_mean, kBoneValues) && finite(s.bone_basis, kBoneValues * s.shape_count);
 }
 
-// The file has plane after plane, the basis the planes of a value side by side: a few points of all planes at a time,
-// so that what is written stays in the first cache.
+// The file has plane after plane, the basis the planes of a value side by side. They are appended: zeros written
+// first would cost as much.
 void read_points(const Sections& sections, ShapeSpace& space) {
-  constexpr std::size_t kPointsAtATime = 16;
-  const std::size_t point_values = space.point_count * kPointValues;
-  for (std::size_t begin = 0; begin < space.point_count; begin += kPointsAtATime) {
-    const std::size_t count = std::min(kPointsAtATime, space.point_count - begin);
-    for (std::size_t p = 0; p <= space.shape_count; ++p) {
-      const Plane plane(p, space.shape_count);
-      const PlaneScale& scale = sections.scales[p];
-      const std::int16_t* step = sections.points.data() + p * point_values + begin * kPointValues;
-      float* out = points_of(space, plane).data() + plane(begin * kPointValues);
-      for (std::size_t point = 0; point < count; ++point)
-        for (std::size_t v = 0; v < kPointValues; ++v, out += plane.stride)
-          *out = static_cast<float>(*step++) * scale_of(scale, v);
-    }
+  const std::size_t point_values = space.point_count * kPointValues, shapes = space.shape_count;
+  std::array<std::array<float, kShapeMax>, 2> scales{};  // of middles, of diagonals
+  for (std::size_t shape = 0; shape < shapes; ++shape)
+    for (std::size_t kind = 0; kind < scales.size(); ++kind)
+      scales[kind][shape] = scale_of(sections.scales[1 + shape], 3 * kind);
+  const auto scale_at = [&](std::size_t value) { return scales[value % kPointValues < 3 ? 0 : 1].data(); };
+  const std::int16_t* const basis = sections.points.data() + point_values;
+  for (std::size_t i = 0; i < point_values; ++i)
+    space.point_mean[i] = static_cast<float>(sections.points[i]) * scale_of(sections.scales[0], i % kPointValues);
+  std::array<float, kShapeTile * kShapeMax> rows;  // of kShapeTile values
+  for (std::size_t i = 0; i < point_values; i += kShapeTile) {
+    const std::size_t values = std::min(kShapeTile, point_values - i);
+    std::array<const float*, kShapeTile> scale{};
+    for (std::size_t v = 0; v < values; ++v) scale[v] = scale_at(i + v);
+    if (values == kShapeTile)
+      unpack_tiles(basis + i, point_values, shapes, scale, rows.data());
+    else
+      for (std::size_t v = 0; v < values; ++v)
+        for (std::size_t p = 0; p < shapes; ++p)
+          rows[v * shapes + p] = static_cast<float>(basis[p * point_values + i + v]) * scale[v][p];
+    space.point_basis.insert(space.point_basis.end(), rows.begin(),
+                             rows.begin() + static_cast<std::ptrdiff_t>(values * shapes));
   }
 }
 

@@ -183,7 +183,7 @@ void FrameReader::prepare(const Intrinsics& upright) {
   settings_ = session_ = upright;
   const std::size_t width = static_cast<std::size_t>(upright.width),
                     height = static_cast<std::size_t>(upright.height);
-  for (auto* pixels : {&camera_, &upright_}) pixels->resize(width * height);
+  for (auto* pixels : {&camera_, &upright_}) *pixels = LazyZeros<std::uint16_t>(width * height);
   columns_.resize(width);
   rows_.resize(height);
 }

@@ -9,6 +9,7 @@
 
 #include "capi/include/im2fit/im2fit.h"
 #include "core/camera.h"
+#include "core/lazy_zeros.h"
 #include "core/status.h"
 #include "engine/engine.h"
 #include "hal/steady_view.h"
@@ -52,8 +53,8 @@ class FrameReader {
   bool undistort_ = false;
   Lens lens_;                              // of the table
   std::vector<std::int32_t> table_;        // for each pixel of the session's picture the camera's; -1: outside
-  std::vector<std::uint16_t> camera_;      // a frame that is to be turned
-  std::vector<std::uint16_t> upright_;     // one that is to be resampled; others go straight into the engine's place
+  LazyZeros<std::uint16_t> camera_;        // a frame that is to be turned
+  LazyZeros<std::uint16_t> upright_;       // one that is to be resampled; others go straight into the engine's place
   std::optional<hal::SteadyView> steady_;  // from the first pose on
   bool posed_ = false, moves_ = false;     // the current frame has a pose; one other than the view's
   std::vector<std::int32_t> columns_, rows_;  // of a resampled picture: where its samples come from; -1: outside
