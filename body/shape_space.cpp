@@ -7,10 +7,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <string_view>
 
 #include "body/model_data.h"
+#include "body/shape_tiles.h"
 #include "core/crc32c.h"
 
 namespace im2fit::body {
@@ -131,36 +131,6 @@ bool whole(const ShapeSpace& s) {
          finite(s.bone_mean, kBoneValues) && finite(s.bone_basis, kBoneValues * s.shape_count);
 }
 
-using Steps = std::int16_t __attribute__((vector_size(16)));
-using Whole = std::int32_t __attribute__((vector_size(16)));
-using Real = float __attribute__((vector_size(16)));
-constexpr std::size_t kTile = 8;  // values and planes that are turned together
-
-// Little-endian: a step and what its sign makes of the upper half.
-template <bool kUpper>
-Whole interleaved(Steps a, Steps b) {
-  return reinterpret_cast<Whole>(kUpper ? __builtin_shufflevector(a, b, 4, 12, 5, 13, 6, 14, 7, 15)
-                                        : __builtin_shufflevector(a, b, 0, 8, 1, 9, 2, 10, 3, 11));
-}
-
-// Rows become columns: three rounds of a perfect shuffle.
-void turn(std::array<Steps, kTile>& rows) {
-  for (int round = 0; round < 3; ++round) {
-    const std::array<Steps, kTile> before = rows;
-    for (std::size_t i = 0; i < kTile / 2; ++i) {
-      rows[2 * i] = reinterpret_cast<Steps>(interleaved<false>(before[i], before[i + kTile / 2]));
-      rows[2 * i + 1] = reinterpret_cast<Steps>(interleaved<true>(before[i], before[i + kTile / 2]));
-    }
-  }
-}
-
-void put_scaled(Whole steps, const float* scale, float* out) {
-  Real scales;
-  std::memcpy(&scales, scale, sizeof scales);
-  scales *= __builtin_convertvector(steps, Real);
-  std::memcpy(out, &scales, sizeof scales);
-}
-
 // The file has plane after plane, the basis the planes of a value side by side. They are appended: zeros written
 // first would cost as much.
 void read_points(const Sections& sections, ShapeSpace& space) {
@@ -173,30 +143,17 @@ void read_points(const Sections& sections, ShapeSpace& space) {
   const std::int16_t* const basis = sections.points.data() + point_values;
   for (std::size_t i = 0; i < point_values; ++i)
     space.point_mean[i] = static_cast<float>(sections.points[i]) * scale_of(sections.scales[0], i % kPointValues);
-  std::array<float, kTile * kShapeMax> rows;  // of kTile values
-  for (std::size_t i = 0; i < point_values; i += kTile) {
-    const std::size_t values = std::min(kTile, point_values - i);
-    for (std::size_t shape = 0; shape < shapes; shape += kTile) {
-      const std::size_t planes = std::min(kTile, shapes - shape);
-      float* out = &rows[shape];
-      if (values < kTile || planes < kTile) {
-        for (std::size_t v = 0; v < values; ++v)
-          for (std::size_t p = 0; p < planes; ++p)
-            out[v * shapes + p] =
-                static_cast<float>(basis[(shape + p) * point_values + i + v]) * scale_at(i + v)[shape + p];
-        continue;
-      }
-      std::array<Steps, kTile> tile;
-      for (std::size_t p = 0; p < kTile; ++p)
-        std::memcpy(&tile[p], basis + (shape + p) * point_values + i, sizeof tile[p]);
-      turn(tile);
-      for (std::size_t v = 0; v < kTile; ++v, out += shapes) {
-        const Steps negative = tile[v] < 0;
-        const float* scale = scale_at(i + v) + shape;
-        put_scaled(interleaved<false>(tile[v], negative), scale, out);
-        put_scaled(interleaved<true>(tile[v], negative), scale + kTile / 2, out + kTile / 2);
-      }
-    }
+  std::array<float, kShapeTile * kShapeMax> rows;  // of kShapeTile values
+  for (std::size_t i = 0; i < point_values; i += kShapeTile) {
+    const std::size_t values = std::min(kShapeTile, point_values - i);
+    std::array<const float*, kShapeTile> scale{};
+    for (std::size_t v = 0; v < values; ++v) scale[v] = scale_at(i + v);
+    if (values == kShapeTile)
+      unpack_tiles(basis + i, point_values, shapes, scale, rows.data());
+    else
+      for (std::size_t v = 0; v < values; ++v)
+        for (std::size_t p = 0; p < shapes; ++p)
+          rows[v * shapes + p] = static_cast<float>(basis[p * point_values + i + v]) * scale[v][p];
     space.point_basis.insert(space.point_basis.end(), rows.begin(),
                              rows.begin() + static_cast<std::ptrdiff_t>(values * shapes));
   }
