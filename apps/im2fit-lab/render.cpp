@@ -22,7 +22,7 @@ struct RenderOptions {
   std::string pose = "relaxed";
   std::string size = "640x480";
   int frames = 30;
-  int turn_after = 0, step_round_after = 0;  // 0: never
+  int turn_after = 0, step_round_after = 0, walk_round_after = 0;  // 0: never
   bool clothed = false;
   bool paper_files = false;
   bool truth_only = false;
@@ -69,6 +69,9 @@ Status write_frames(SyntheticPerson& person, const RenderOptions& options, int r
     info.sequence = static_cast<std::uint64_t>(i);
     info.host_ns = i * 33'333'333LL;
     info.device_us = i * 33'333LL;
+    // Of the upright picture; the frames are stored as the sensor delivers them.
+    if (options.walk_round_after > 0)
+      info.pose = hal::rotate_upright(person.scene().camera_pose(info.sequence), (360 - rotate_deg) % 360);
     if (const auto written = (*writer)->write(image, info); !written) return written.error();
     progress.update(static_cast<std::uint64_t>(i) + 1);
   }
@@ -87,6 +90,7 @@ Result<int> run_render(const RenderOptions& options) {
   wanted.scene.pose = *pose;
   wanted.scene.turn = turn_after(options.turn_after);
   if (options.step_round_after > 0) wanted.scene.step_round = step_round_after(options.step_round_after);
+  if (options.walk_round_after > 0) wanted.scene.step_round = walk_round_after(options.walk_round_after);
   if (options.clothed) dress(wanted.scene);
   wanted.noise = options.condition == "noise";
   if (!wanted.noise) wanted.scene.furniture_count = 0;
@@ -115,7 +119,8 @@ void add_render(cli::App& app, Command& chosen) {
       app, chosen, "render", "Depth folder of a synthetic person, with truth.json",
       "  im2fit-lab render --out person7 --seed 7\n"
       "  im2fit-lab render --out bare --condition bare --pose psi --rotate 0 --paper-files\n"
-      "  im2fit-lab render --out both --seed 7 --frames 150 --turn-after 40",
+      "  im2fit-lab render --out both --seed 7 --frames 150 --turn-after 40\n"
+      "  im2fit-lab render --out walked --seed 7 --frames 570 --walk-round-after 60",
       options, run_render);
   auto& person = options->person;
   sub->add_option("--out", options->out, "Folder to make (a file with --truth-only)")->required()->type_name("DIR");
@@ -147,11 +152,18 @@ void add_render(cli::App& app, Command& chosen) {
   auto* turn = sub->add_option("--turn-after", options->turn_after, "The person turns round after N frames; 0: never")
                    ->range(0, 100000)
                    ->capture_default_str();
-  sub->add_option("--step-round-after", options->step_round_after,
-                  "The person steps round once, in 9 s, after N frames; 0: never")
+  auto* step = sub->add_option("--step-round-after", options->step_round_after,
+                               "The person steps round once, in 9 s, after N frames; 0: never")
+                   ->range(0, 100000)
+                   ->capture_default_str()
+                   ->excludes(turn);
+  sub->add_option("--walk-round-after", options->walk_round_after,
+                  "The camera is carried round the person once, in 15 s, after N frames; 0: never. poses.csv has its "
+                  "true poses")
       ->range(0, 100000)
       ->capture_default_str()
-      ->excludes(turn);
+      ->excludes(turn)
+      ->excludes(step);
   sub->add_flag("--clothed", options->clothed, "In clothes, shoes and hair; the truth stays the body's");
   sub->add_flag("--paper-files", options->paper_files,
                 "Also write sample.obj, .skel, .bvh and .txt in the paper's formats");

@@ -2,10 +2,14 @@
 // record, stopped short: by a kill, a full disk, a pulled cable. What was recorded until then must be readable.
 #include <sys/mount.h>
 
+#include <algorithm>
+#include <cmath>
+#include <fstream>
 #include <functional>
 #include <set>
 
 #include "daemon_run.h"
+#include "hal/open/open.h"
 #include "measure_run.h"
 
 namespace im2fit {
@@ -54,6 +58,49 @@ class Record : public testing::Test {
   test::TestFolder folder_;
   int copies_ = 0;
 };
+
+TEST_F(Record, KeepsThePosesOfACameraThatMoves) {
+  const std::string poses =
+      "sequence,x_m,y_m,z_m,qx,qy,qz,qw\n"
+      "000000,0.100000001,-2.5,0.333333343,0,0.600000024,0,0.800000012\n"
+      "000002,1,2,3,0,0,0,1\n";
+  std::ofstream(folder_.path("in") + "/poses.csv") << poses;
+  const auto run = record(folder_.path("in"), folder_.path("out"), {"--frames", "0"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(test::read_text(folder_.path("out") + "/poses.csv"), poses);
+}
+
+// The person stands still while the camera is carried round: seen from the place at rest the hips stay where they
+// are, with the sway of one who stands, and the camera goes all round them.
+TEST(RenderedWalk, PosesSayWhereTheCameraWas) {
+  if (!test::have_data()) GTEST_SKIP() << "no body, tracker or index file";
+  const test::TestFolder folder;
+  const std::string out = folder.path("walked");
+  const auto run = test::run_program({test::kLab, "render", "--out", out, "--seed", "7", "--size", "320x240",
+                                      "--body", test::body_path(), "--frames", "200", "--walk-round-after", "5"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto truth = nlohmann::json::parse(test::read_text(out + "/truth.json"));
+  auto source = hal::open_source(out);
+  ASSERT_TRUE(source) << source.error().message;
+  const Intrinsics& k = (*source)->info().intrinsics;
+  std::vector<std::uint16_t> pixels(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height));
+  Vec3f first;
+  float way_mm = 0;
+  for (std::size_t i = 0; i < 200; ++i) {
+    const auto frame = (*source)->next(DepthImage(pixels.data(), k.width, k.height), 0);
+    ASSERT_TRUE(frame) << frame.error().message;
+    ASSERT_TRUE(frame->pose);
+    const auto& hip = truth["frames"][i]["joints"]["LH"];
+    const Vec3f seen = {hip[0].get<float>(), hip[1].get<float>(), hip[2].get<float>()};
+    const hal::CameraPose& q = *frame->pose;
+    const Vec3f axis = {q.x, q.y, q.z};
+    const Vec3f hip_mm = seen + cross(axis, cross(axis, seen) + seen * q.w) * 2 + q.position_mm;
+    if (i == 0) first = hip_mm;
+    EXPECT_LT(norm(hip_mm - first), 60) << i;
+    way_mm = std::max(way_mm, std::abs(q.position_mm.x));
+  }
+  EXPECT_GT(way_mm, 1000);
+}
 
 TEST_F(Record, CountsWhatItHasAndWhatIsMissing) {
   std::filesystem::remove(folder_.path("in") + "/000007.pgm");
