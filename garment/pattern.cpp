@@ -113,6 +113,48 @@ std::vector<Flat> spaced(const std::vector<Flat>& line, int count) {
   return out;
 }
 
+constexpr float kCheckedEdgeMm = 12;  // as cloth is sewn: garment/drape/garment_mesh.h
+
+std::vector<Flat> outline_of(const CutPattern& cut, bool back) {
+  std::vector<Flat> outline;
+  for (const CutPattern::Line& line : cut.lines)
+    for (std::size_t i = 0; i + 1 < line.front.size() || i + 1 < line.back.size(); ++i) {
+      const std::vector<Flat>& places = back ? line.back : line.front;
+      if (i + 1 < places.size()) outline.push_back(places[i]);
+    }
+  // A fold closes it; of a leg the last line has come back to the first point.
+  const CutPattern::Line& last = cut.lines.back();
+  const Flat end = back ? last.back.back() : last.front.back();
+  if (distance(end, outline.front()) > 1e-3F) outline.push_back(end);
+  return outline;
+}
+
+// Twice the signed area of the triangle.
+double turn(Flat a, Flat b, Flat c) {
+  return (static_cast<double>(b.x) - a.x) * (static_cast<double>(c.y) - a.y) -
+         (static_cast<double>(b.y) - a.y) * (static_cast<double>(c.x) - a.x);
+}
+
+// Of two pieces of the outline that have no end in common; touching is no crossing.
+bool cross(Flat a, Flat b, Flat c, Flat d) {
+  return turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0;
+}
+
+bool crosses_itself(const std::vector<Flat>& outline) {
+  const std::size_t count = outline.size();
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t k = i + 2; k < count; ++k)
+      if ((k + 1) % count != i && cross(outline[i], outline[i + 1], outline[k], outline[(k + 1) % count]))
+        return true;
+  return false;
+}
+
+double area_mm2(const std::vector<Flat>& outline) {
+  double twice = 0;
+  for (std::size_t i = 1; i + 1 < outline.size(); ++i) twice += turn(outline[0], outline[i], outline[i + 1]);
+  return twice / 2;
+}
+
 int steps_for(const std::vector<Flat>& line, float edge_mm) {
   return std::max(1, static_cast<int>(std::ceil(length_of(line) / edge_mm)));
 }
@@ -144,6 +186,37 @@ CutPattern cut(const GarmentPattern& pattern, const CutBody& body, float edge_mm
   if (pattern.gusset.at >= 0) out.gusset_at = n.front[static_cast<std::size_t>(pattern.gusset.at)];
   for (const FitRegion& region : pattern.regions) out.girth_mm.push_back(n.value(region.girth));
   return out;
+}
+
+Status check_cut(const GarmentPattern& pattern, const CutBody& body) {
+  const auto refused = [&](const std::string& why) {
+    return Error{ErrorCode::invalid_argument, "garment " + pattern.id + ": " + why};
+  };
+  const Numbers n = numbers_of(pattern, body);
+  for (std::size_t i = 0; i < pattern.points.size(); ++i)
+    for (const Flat& place : {n.front[i], n.back[i]})
+      // Also false for what is not a number.
+      if (!(std::fabs(place.x) <= kPatternMaxMm && std::fabs(place.y) <= kPatternMaxMm))
+        return refused("point " + pattern.points[i].id + " lies more than " +
+                       std::to_string(static_cast<int>(kPatternMaxMm)) + " mm from the middle");
+  if (pattern.edges.empty()) return refused("it has no outline");
+  const CutPattern flat = cut(pattern, body, kCheckedEdgeMm);
+  double cloth_mm2 = 0;
+  for (const bool back : {false, true}) {
+    const std::string panel = back ? "the back" : "the front";
+    const std::vector<Flat> outline = outline_of(flat, back);
+    if (static_cast<float>(outline.size()) * kCheckedEdgeMm > kOutlineMaxMm)  // first: crossings take its square
+      return refused("the outline of " + panel + " is longer than " +
+                     std::to_string(static_cast<int>(kOutlineMaxMm) / 1000) + " m");
+    if (outline.size() < 3 || crosses_itself(outline)) return refused("the outline of " + panel + " crosses itself");
+    const double area = area_mm2(outline);
+    if (area <= 0) return refused("the outline of " + panel + " is not drawn anticlockwise");
+    cloth_mm2 += 2 * area;  // left and right
+  }
+  if (cloth_mm2 > 1e6 * static_cast<double>(kClothMaxM2))
+    return refused("it has " + std::to_string(std::lround(cloth_mm2 / 1e6)) + " m2 of cloth, expected at most " +
+                   std::to_string(std::lround(kClothMaxM2)));
+  return Ok{};
 }
 
 std::vector<float> finished_girths(const GarmentPattern& pattern, const CutBody& body) {

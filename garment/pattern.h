@@ -13,6 +13,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/status.h"
+
 namespace im2fit::body {
 
 // What a size is cut for, mm: ids of data/garments/bodies.yaml.
@@ -149,6 +151,11 @@ struct CutPattern {
 };
 // Edges no longer than `edge_mm`.
 CutPattern cut(const GarmentPattern& pattern, const CutBody& body, float edge_mm);
+// Whether it can be sewn and draped in this size: points within kPatternMaxMm of the origin, front and back
+// anticlockwise without crossing themselves, and no more cloth than kClothMaxM2: draping takes time in proportion to
+// it. Errors: invalid_argument; the message names the garment and the panel or point.
+Status check_cut(const GarmentPattern& pattern, const CutBody& body);
+inline constexpr float kPatternMaxMm = 3000, kOutlineMaxMm = 16000, kClothMaxM2 = 8;
 // Of the regions alone.
 std::vector<float> finished_girths(const GarmentPattern& pattern, const CutBody& body);
 

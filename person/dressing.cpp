@@ -29,6 +29,7 @@ Result<std::unique_ptr<body::Outfit>> dress(const Wardrobe& wardrobe, const body
       return Error{ErrorCode::not_found, one.pattern->id + ": no fabric is called " + one.pattern->fabric};
     const body::CutBody cut =
         body::turned_up(body::cut_body(wardrobe.regression, woman, one.chest_mm), inside_leg_mm);
+    if (const auto checked = body::check_cut(*one.pattern, cut); !checked) return checked.error();
     pieces.push_back(body::Outfit::piece(*one.pattern, cut, *fabric, moves));
   }
   auto outfit = std::make_unique<body::Outfit>(model, std::move(pieces));

@@ -129,6 +129,8 @@ Result<int> run(const TryOptions& options) {
       return Error{ErrorCode::not_found, "no size is called " + options.size + "; " + fit.chart + " has " + all};
     }
   }
+  const body::CutBody cut = body::cut_body(builtin_wardrobe().regression, woman, fit.sizes[chosen].chest_mm);
+  if (const auto checked = body::check_cut(*pattern, cut); !checked) return checked.error();
   if (!options.out.empty())
     if (const auto drawn = draw(options, *pattern, *person, fit.sizes[chosen].chest_mm, *model); !drawn)
       return drawn.error();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Garments as data and as meshes: their dimensions in each size, and errors that name faults of a file.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -216,6 +217,43 @@ TEST(GarmentFile, IsReadAndCut) {
   }
   EXPECT_FLOAT_EQ(highest_front, 50);
   EXPECT_FLOAT_EQ(highest_back, 60);
+}
+
+// A file of 1.5 kB may not keep a page's fitting room busy for minutes.
+TEST(GarmentFile, WhatCannotBeSewnOrTakesTooLongIsRefused) {
+  CutBody body{};
+  body[static_cast<std::size_t>(body::CutMeasure::hip)] = 1000;
+  const auto checked = [&](const std::string& from, const std::string& to) {
+    const auto pattern = parse_garment(shirt_with(from, to), "tube.yaml");
+    EXPECT_TRUE(pattern) << to << ": " << (pattern ? "" : pattern.error().message);
+    const auto status = pattern ? check_cut(*pattern, body) : Status(Ok{});
+    return status ? std::string() : status.error().message;
+  };
+  EXPECT_EQ(checked("", ""), "");
+  struct Fault {
+    const char *from, *to, *message;
+  };
+  const Fault faults[] = {
+      // Every number within its range, and 26 m2: it took minutes.
+      {"wide: {hip: 0.25, mm: 10}\npoints:\n  low: {x: 0, y: -300}",
+       "wide: {hip: 2.5}\npoints:\n  low: {x: 0, y: -2500}",
+       "garment tube: it has 26 m2 of cloth, expected at most 8"},
+      {"hip: 0.25", "hip: 10", "garment tube: point low_side lies more than 3000 mm from the middle"},
+      // A bow tie: the sides change places.
+      {"high_side: {x: wide, y: 50}", "high_side: {x: wide, y: -700}", "garment tube: the outline of the front"},
+      {"y: 50, back_y: 60}", "y: 50, back_y: -900}", "garment tube: the outline of the back"},
+      {"x: wide, y: low.y", "x: {wide: -1}, y: low.y", "garment tube: the outline of the front"},
+  };
+  for (const Fault& fault : faults) EXPECT_THAT(checked(fault.from, fault.to), testing::StartsWith(fault.message));
+}
+
+TEST(GarmentFile, EveryShippedGarmentCanBeSewnInEverySize) {
+  for (const GarmentPattern& pattern : builtin_wardrobe().garments)
+    for (const bool woman : {false, true})
+      for (const SizeRow& row : (woman ? builtin_size_system().women : builtin_size_system().men).rows) {
+        const auto status = check_cut(pattern, body_of(row, woman));
+        EXPECT_TRUE(status) << status.error().message << " " << row.size;
+      }
 }
 
 TEST(GarmentMesh, AGussetLetsInClothAboutItsPointAlone) {
