@@ -62,7 +62,7 @@ class Record : public testing::Test {
 TEST_F(Record, KeepsThePosesOfACameraThatMoves) {
   const std::string poses =
       "sequence,x_m,y_m,z_m,qx,qy,qz,qw\n"
-      "000000,0.100000001,-2.5,0.333333343,0,0.600000024,0,0.800000012\n"
+      "000000,0.1,-2.5,0.333333344,0,0.600000024,0,0.800000012\n"
       "000002,1,2,3,0,0,0,1\n";
   std::ofstream(folder_.path("in") + "/poses.csv") << poses;
   const auto run = record(folder_.path("in"), folder_.path("out"), {"--frames", "0"});
