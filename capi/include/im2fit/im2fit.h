@@ -445,9 +445,9 @@ typedef enum im2fit_guidance {
   IM2FIT_GUIDANCE_CALIBRATION_POSE = 1 << 12, /* raise the arms: upper arms level, hands up */
   IM2FIT_GUIDANCE_TURN_ROUND = 1 << 13,       /* turn the back to the camera. Show it before all other guidance */
   IM2FIT_GUIDANCE_CLOTHED = 1 << 14,          /* measured, but dressed although settings.clothing is BARE */
-  IM2FIT_GUIDANCE_TURN_ON = 1 << 15,          /* turn on the spot, slowly, all round. The person cannot see a screen */
-  IM2FIT_GUIDANCE_TURN_SLOWER = 1 << 16,      /* the same, and slower */
-  IM2FIT_GUIDANCE_WALK_ROUND = 1 << 17        /* to who holds the camera: walk on round the person */
+  IM2FIT_GUIDANCE_TURN_ON = 1 << 15,     /* turn on the spot, slowly, all round. The person cannot see a screen */
+  IM2FIT_GUIDANCE_TURN_SLOWER = 1 << 16, /* the same, and slower */
+  IM2FIT_GUIDANCE_WALK_ROUND = 1 << 17   /* to who holds the camera: walk on round the person */
 } im2fit_guidance;
 #define IM2FIT_GUIDANCE_COUNT 18
 
@@ -794,8 +794,8 @@ IM2FIT_API const char* im2fit_fit_name(int verdict);    /* "tight" */
 IM2FIT_API const char* im2fit_rig_node_name(int node);  /* "left_upper_arm" */
 IM2FIT_API int im2fit_rig_node_parent(int node);        /* the parent node; -1: of node 0, or out of range */
 /* "Step back" for bit 1, TOO_NEAR: at most six words, to show or speak. `language` as for im2fit_garment_name. UTF-8.
- * Of several codes show one: NO_PERSON, TURN_ROUND, TURN_SLOWER, WALK_ROUND and SEVERAL_PEOPLE come first, then the distance,
- * then what is cut off, then the pose; TURN_ON and CLOTHED come last. */
+ * Of several codes show one: NO_PERSON, TURN_ROUND, TURN_SLOWER, WALK_ROUND and SEVERAL_PEOPLE come first, then the
+ * distance, then what is cut off, then the pose; TURN_ON and CLOTHED come last. */
 IM2FIT_API const char* im2fit_guidance_text(int bit, const char* language);
 /* "T-shirt". `language` is "en", "de", "es", "fr" or "zh"; NULL for others. UTF-8. */
 IM2FIT_API const char* im2fit_garment_name(size_t index, const char* language);
