@@ -67,6 +67,10 @@ int MHD_get_connection_values(MHD_Connection* connection, MHD_ValueKind kind, MH
   static auto* const get = function("MHD_get_connection_values", MHD_get_connection_values);
   return get != nullptr ? get(connection, kind, take, closure) : 0;
 }
+const char* MHD_lookup_connection_value(MHD_Connection* connection, MHD_ValueKind kind, const char* key) {
+  static auto* const look_up = function("MHD_lookup_connection_value", MHD_lookup_connection_value);
+  return look_up != nullptr ? look_up(connection, kind, key) : nullptr;
+}
 MHD_Response* MHD_create_response_from_buffer(std::size_t size, void* bytes, MHD_ResponseMemoryMode mode) {
   static auto* const create = function("MHD_create_response_from_buffer", MHD_create_response_from_buffer);
   return create != nullptr ? create(size, bytes, mode) : nullptr;
