@@ -269,7 +269,7 @@ void FitStage::end(const ArrivalCounts& counts) {
 
 int FitStage::frames_to_go_min() const {
   if (over()) return 0;
-  if (one_after_another_ || leaving_ || rules_.turn == Turn::around) return std::numeric_limits<int>::max();
+  if (one_after_another_ || leaving_ || is_all_round(rules_.turn)) return std::numeric_limits<int>::max();
   const int of_side = std::max(1, rules_.frames_wanted - stages_.frame_count());
   return rules_.turn == Turn::back && front_frames_ == 0 ? of_side + rules_.frames_wanted : of_side;
 }
