@@ -220,6 +220,7 @@ class PipelineEngine final : public Engine {
       return;
     }
     if (!fit_.over()) people().release();
+    if (steady_) steady_->forget();
     reset_clock();  // frames were not processed meanwhile: not a frame gap
     fit_.next_person();
     begin_again();
@@ -359,11 +360,15 @@ class PipelineEngine final : public Engine {
     slot.after_frame_gap = seconds > kFrameGapSecondsMax;
     if (slot.after_frame_gap) {
       stages_->reset_sense();
+      if (steady_) steady_->forget();
       if (rest_) rest_->gate.wake();
       since_processed_s_ = 0;
       seconds = kFramePeriodS;
     }
-    if (slot.info.pose) steady(slot, seconds);
+    if (slot.info.pose)
+      steady(slot, seconds);
+    else if (steady_)
+      steady_->forget();  // where it is now is not known
     if (slot.info.down) stages_->set_down(*slot.info.down);
     since_processed_s_ += seconds;
     const RestStep step =

@@ -162,7 +162,7 @@ void FitStage::forget() {
 
 bool FitStage::accumulate(const FrameSlot& slot) {
   const GuidanceSet refusal = stages_.add(slot.depth, slot.mask, intrinsics_, slot.detection);
-  if (slot.info.pose) stages_.set_pose(*slot.info.pose);
+  if (refusal == 0) stages_.set_pose(slot.info.pose);
   result_.guidance |= refusal;
   const OfferStep offer = after_offer(rules_, session_, refusal != 0, stages_.frame_count(), slot.periods);
   session_ = offer.next;

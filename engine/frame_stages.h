@@ -41,8 +41,8 @@ class FrameStages {
   // Stage FIT. `add` returns guidance of its own instead of adding.
   virtual GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics,
                           const Detection& detection) = 0;
-  // Where the camera was that took the frame added last; before turn().
-  virtual void set_pose(const hal::CameraPose& /*pose*/) {}
+  // Where the camera was that took the frame added last, if it tells; before turn().
+  virtual void set_pose(const std::optional<hal::CameraPose>& /*pose*/) {}
   virtual int frame_count() const = 0;  // of the side being accumulated: the front until turn(), then the back
   // The expensive step, once a session; with Turn::back once for the front and once for both sides. False when the
   // accumulated frames cannot be described.
@@ -55,7 +55,7 @@ class FrameStages {
     MaskView mask;
     Intrinsics intrinsics;
     std::optional<hal::CameraPose> pose;  // with Turn::walk
-    FloorPlane floor;                     // as this frame shows it
+    FloorPlane floor;                     // the mean of some frames up to this one
   };
   virtual bool follow(const TurnFrame& /*frame*/) { return false; }
   // The farthest that the person has turned, + to the own left.

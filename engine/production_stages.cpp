@@ -19,6 +19,7 @@ class ProductionStages final : public SensingStages {
                    const StageOptions& options)
       : SensingStages(width, height, joint_model, options.turn),
         sensor_(options.sensor),
+        turn_(options.turn),
         query_(index, options.shape_space, options.clothing) {
     if (is_all_round(options.turn)) around_.emplace(*options.body, width, height);
   }
@@ -68,11 +69,13 @@ class ProductionStages final : public SensingStages {
         around_->begin({p.seen, p.joints, p.floor, front().depth_q4(), front().mask(), front().intrinsics()});
     return following_;
   }
-  void set_pose(const hal::CameraPose& pose) override { front_pose_ = pose; }
+  void set_pose(const std::optional<hal::CameraPose>& pose) override { front_pose_ = pose; }
+  // A picture whose place is not told cannot be followed from a camera that moves.
   bool follow(const TurnFrame& frame) override {
-    if (!following_) return false;
+    if (!following_ || frame.pose.has_value() != front_pose_.has_value()) return false;
+    if (turn_ == Turn::walk && !frame.pose) return false;
     std::optional<TurnMeasurement::Camera> camera;
-    if (frame.pose && front_pose_) {
+    if (frame.pose) {
       const hal::CameraMotion motion = hal::motion_between(*frame.pose, *front_pose_);
       camera = {{motion.turn}, motion.step_mm, frame.floor};
     }
@@ -96,6 +99,7 @@ class ProductionStages final : public SensingStages {
 
  private:
   const SensorKind sensor_;
+  const Turn turn_;
   RefinedQuery query_;
   std::optional<Error> fault_;
 

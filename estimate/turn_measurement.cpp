@@ -57,6 +57,9 @@ struct Nipples {
 };
 constexpr Nipples kNipplesOfWomen = {1228.2F, 0.791F, 0.25F}, kNipplesOfMen = {1246.8F, 0.788F, 0.5F};
 
+// The slope of the girth is taken over so much (Measurer::girth_slopes).
+constexpr float kRaiseMaxMm = 20;
+
 // How much higher than at the fitted nipples the chest is to be measured, mm.
 float chest_raised_mm(const body::Measurer& measurer, const body::BodyModel& model, bool woman, float stature_mm) {
   const Nipples& expected = woman ? kNipplesOfWomen : kNipplesOfMen;
@@ -65,8 +68,9 @@ float chest_raised_mm(const body::Measurer& measurer, const body::BodyModel& mod
     low_mm = std::min(low_mm, p.y);
   for (const body::Section& section : measurer.sections())
     if (section.id == Measurement::chest_girth && !section.hull.empty())
-      return expected.share *
-             (expected.at_1700 + expected.a_mm * (stature_mm - 1700) - (section.hull.front().y - low_mm));
+      return std::clamp(expected.share * (expected.at_1700 + expected.a_mm * (stature_mm - 1700) -
+                                          (section.hull.front().y - low_mm)),
+                        -kRaiseMaxMm, kRaiseMaxMm);
   return 0;
 }
 

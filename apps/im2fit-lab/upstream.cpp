@@ -24,10 +24,19 @@ constexpr std::string_view kTriedCommit = "a8bc2d54";  // the one that the diges
 // person that would fetch more than asked for.
 std::vector<std::string> git(int seconds, std::vector<std::string> words) {
   std::vector<std::string> all = {"timeout",
+                                  "--foreground",
                                   "-k",
                                   "2",
                                   std::to_string(seconds),
                                   "env",
+                                  "-u",
+                                  "GIT_DIR",
+                                  "-u",
+                                  "GIT_WORK_TREE",
+                                  "-u",
+                                  "GIT_INDEX_FILE",
+                                  "-u",
+                                  "GIT_COMMON_DIR",
                                   "GIT_TERMINAL_PROMPT=0",
                                   "GIT_SSH_COMMAND=ssh -o BatchMode=yes -o ConnectTimeout=10",
                                   "GIT_LFS_SKIP_SMUDGE=1",
@@ -62,7 +71,8 @@ Result<UpstreamCopy> clone_upstream(const std::string& repository, const std::st
   const auto unreachable = [&](const Error& error) {
     return Error{error.code == ErrorCode::not_found ? error.code : ErrorCode::io, repository + " cannot be reached"};
   };
-  const auto answer = run_child(git(kAnswerSeconds, {"ls-remote", "--exit-code", url, "HEAD"}), ChildErrors::hidden);
+  const auto answer =
+      run_child(git(kAnswerSeconds, {"ls-remote", "--exit-code", "--", url, "HEAD"}), ChildErrors::hidden);
   if (!answer) return unreachable(answer.error());
 
   UpstreamCopy copy{scratch + "/makehuman", first_word(*answer)};

@@ -310,6 +310,8 @@ std::vector<std::string> session_notes(const SessionOutcome& outcome) {
         !result.front_measured
             ? "a turn is measured of people without loose clothes, with the floor in view, and with a "
               "camera whose driver does not blend edges"
+        : result.turn == Turn::walk && turned == 0
+            ? std::string("the source tells no poses of the camera; --around=camera needs them")
         : turned < kTurnEnoughDeg
             ? fmt::format("{} by {:.0f} degrees, {:.0f} are needed",
                           result.turn == Turn::walk ? "the camera was carried round" : "the person turned", turned,

@@ -96,7 +96,9 @@ std::string HostCheck::refusal(std::optional<std::string_view> host, std::option
                                std::optional<std::string_view> fetch_site) const {
   const auto named = host ? host_of(*host) : std::nullopt;
   if (!named || !is_known(*named)) return "unknown address; open the one that im2fit serve printed";
-  if (origin && lower(*origin) != "http://" + lower(*host)) return "the request comes from another site's page";
+  // https: behind a proxy that encrypts.
+  if (origin && lower(*origin) != "http://" + lower(*host) && lower(*origin) != "https://" + lower(*host))
+    return "the request comes from another site's page";
   if (fetch_site && *fetch_site != "same-origin" && *fetch_site != "none")
     return "the link is from another site's page; type the address";
   return "";

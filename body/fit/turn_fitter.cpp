@@ -115,6 +115,18 @@ float arc_deg(float x) {
   return x * (1 + x2 * (1.0F / 6 + x2 * (3.0F / 40 + x2 * (15.0F / 336)))) * 57.29578F;
 }
 
+// From one direction on the floor to another, both unit: + from z to x. A wide turn, as of a camera whose pictures
+// could not be followed for a while, is a multiple of the turn to a direction between.
+float turn_deg(Vec3f from, Vec3f to) {
+  float parts = 1;
+  while (dot(from, to) < 0.8F && parts < 4) {
+    const Vec3f middle = from + to;
+    to = dot(middle, middle) > 1e-6F ? normalized(middle) : Vec3f{from.z, 0, -from.x};
+    parts *= 2;
+  }
+  return parts * arc_deg(std::clamp(from.z * to.x - from.x * to.z, -1.0F, 1.0F));
+}
+
 Vec3f vec3(Four v) {
   return {v[0], v[1], v[2]};
 }
@@ -442,12 +454,9 @@ bool TurnFitter::Work::follow(const TurnPicture& picture) {
   // The pelvis' front, before and after, on the floor.
   const auto front = [](const Pose& p) { return normalized(Vec3f{p.rotation[0].m[2], 0, p.rotation[0].m[8]}); };
   const Vec3f a = front(before_), b = front(pose);
-  const auto turn = [](Vec3f from, Vec3f to) {
-    return arc_deg(std::clamp(from.z * to.x - from.x * to.z, -1.0F, 1.0F));
-  };
   // A camera that goes round to the person's left sees them turn to the right.
   const Vec3f place = axes_of(picture).camera(), beside = normalized(Vec3f{place.x, 0, place.z});
-  turned_deg += turn(a, b) - turn(camera_, beside);
+  turned_deg += turn_deg(a, b) - turn_deg(camera_, beside);
   camera_ = beside;
   return true;
 }

@@ -32,6 +32,7 @@ struct FolderContents {
   std::string frames_path, confidence_path;  // "": there is no confidence
   CameraFile camera;
   std::map<std::uint64_t, FrameInfo> frames;  // by number; empty: there are neither times nor poses
+  std::int64_t frame_ns = 0;                  // from frame to frame, where `frames` is empty
   std::string camera_path, table_path;        // the files of `camera` and `frames`, for errors
   SensorKind sensor = SensorKind::unknown;
 };

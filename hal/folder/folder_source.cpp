@@ -196,6 +196,9 @@ Status FolderSource::scan(const std::string& path) {
       return Error{ErrorCode::invalid_argument, it->path().string() + " has the number " + std::to_string(*number) +
                                                     ", expected at most " + std::to_string(kNumberMax) +
                                                     "; number the frames from 0"};
+    if (std::error_code kind; it->is_directory(kind))
+      return Error{ErrorCode::invalid_argument,
+                   it->path().string() + " is a folder, expected a picture; move it away"};
     Frame frame{it->path().string(), {*number, frame_time_ns(*number), -1}};
     frames_.push_back(std::move(frame));
     if (frames_.size() > kFramesMax)
@@ -270,15 +273,23 @@ Status FolderSource::take_tables(const std::string& path) {
   if (std::error_code code; std::filesystem::exists(path + "/poses.csv", code) || code) {
     if (auto ok = read_poses(path + "/poses.csv"); !ok) return ok.error();
   }
-  if (std::error_code code; std::filesystem::is_directory(path + "/confidence", code))
+  if (std::error_code code; std::filesystem::exists(path + "/confidence", code) || code) {
+    if (!std::filesystem::is_directory(path + "/confidence", code))
+      return Error{ErrorCode::invalid_argument,
+                   path + "/confidence is not a folder that can be read; expected pictures of confidence in it"};
     confidence_folder_ = path + "/confidence";
+  }
   return Ok{};
 }
 
 Status FolderSource::take_contents(const FolderContents& contents) {
   info_.sensor = contents.sensor;
   confidence_folder_ = contents.confidence_path;
-  if (contents.frames.empty()) return Ok{};
+  if (contents.frames.empty()) {
+    for (Frame& frame : frames_)
+      frame.info.host_ns = static_cast<std::int64_t>(frame.info.sequence) * contents.frame_ns;
+    return Ok{};
+  }
   for (Frame& frame : frames_) {
     const auto row = contents.frames.find(frame.info.sequence);
     if (row == contents.frames.end())
@@ -345,7 +356,10 @@ Result<FrameInfo> FolderSource::next(DepthImage depth, int /*timeout_ms*/) {
   if (status) {
     status = decoder_.decode(file_bytes_, frame.path, path_.camera_image());
     if (!status)
-      if (auto error = foreign(frame)) return *error;
+      if (auto error = foreign(frame)) {
+        index_ = frames_.size();
+        return *error;
+      }
   }
   if (!status) {
     book_.damaged();

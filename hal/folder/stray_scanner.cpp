@@ -24,7 +24,8 @@ namespace {
 constexpr int kColourWidth = 1920, kColourHeight = 1440;
 constexpr double kCentreOffMax = 0.1;  // of a side: another picture's matrix
 constexpr std::size_t kMatrixBytesMax = 4096;
-constexpr std::int64_t kFrameNs = 1'000'000'000 / 60;  // ARKit's rate, where no table has the times
+constexpr std::size_t kPictureBytesMax = std::size_t{64} << 20;  // as FolderSource's
+constexpr std::int64_t kFrameNs = 1'000'000'000 / 60;            // ARKit's rate, where no table has the times
 // A phone that is held upright: its camera's x axis points down.
 constexpr int kPortraitDeg = 90;
 
@@ -98,7 +99,7 @@ Result<std::pair<DepthHeader, std::string>> depth_size(const std::string& folder
   std::vector<std::byte> bytes;
   std::optional<Error> first;
   for (const auto& [number, path] : pictures) {
-    if (auto ok = read_file_into(path, kTextBytesMax, kHeaderBytes, bytes); !ok) return ok.error();
+    if (auto ok = read_file_into(path, kPictureBytesMax, kHeaderBytes, bytes); !ok) return ok.error();
     const auto header = parse_depth_header(bytes, path);
     if (header) return std::pair(*header, path);
     if (header.error().code != ErrorCode::corrupt) return header.error();
@@ -202,6 +203,7 @@ Result<std::unique_ptr<FolderSource>> open_stray_scanner(const std::string& path
   const int held_deg = rows.empty() ? kPortraitDeg : upright_rotation(down_seen(rows.front().pose));
   if (!contents.camera.rotate_deg) contents.camera.rotate_deg = (held_deg - turned + 360) % 360;
   take_rows(rows, turned, contents);
+  contents.frame_ns = kFrameNs;
   FolderOptions with_contents = options;
   with_contents.contents = &contents;
   return FolderSource::open(path, with_contents);

@@ -91,6 +91,7 @@ TEST_F(StepsRound, IsMeasuredAllRoundWithTheOption) {
 
 // The person of `synthetic` stands, and the camera is carried round, its poses told.
 TEST(CarriedRound, IsMeasuredAllRound) {
+  if (!test::have_data()) GTEST_SKIP() << "no models: scripts/test makes them";
   std::string on_two;
   for (const char* threads : {"2", "1"}) {
     const test::Run run = test::run_program({test::kProgram, "measure", "synthetic:7", "--around=camera", "--json",

@@ -779,7 +779,7 @@ IM2FIT_API int im2fit_dressed_avatar(im2fit_handle* handle, const im2fit_worn* w
 /* Names as in result.json. NULL for a number out of range. They need no handle: any thread, at any time. */
 
 IM2FIT_API const char* im2fit_state_name(int state);    /* "TRACKING" */
-IM2FIT_API const char* im2fit_guidance_name(int bit);   /* 0..16: "TOO_NEAR" is bit 1 */
+IM2FIT_API const char* im2fit_guidance_name(int bit);   /* 0..17: "TOO_NEAR" is bit 1 */
 IM2FIT_API const char* im2fit_measurement_name(int id); /* "chest_girth" */
 IM2FIT_API const char* im2fit_measurement_unit(int id); /* "mm" or "kg" */
 IM2FIT_API const char* im2fit_joint_name(int joint);    /* "HE" */

@@ -89,7 +89,7 @@ TEST_F(DaemonConfig, WhatIsWrongIsOneLineWithItsNumber) {
       {"measure:\n  frames: 5.5\n", "line 2: measure.frames"},
       {"\n\nrotate: 45\n", "line 3: rotate is \"45\", expected 0, 90, 180 or 270"},
       {"rotate: [0]\n", "line 1: rotate"},
-      {"measure: {turn: perhaps}\n", "measure.turn is \"perhaps\", expected none, back or around"},
+      {"measure: {turn: perhaps}\n", "measure.turn is \"perhaps\", expected none, back, around or walk"},
       {"measure: {sensor: lidar}\n", "expected one of auto, structured-light, time-of-flight"},
       {"measure: {calibration: tpose}\n", "expected one of none, psi"},
       {"measure: 5\n", "line 1: measure holds no"},
@@ -103,7 +103,7 @@ TEST_F(DaemonConfig, WhatIsWrongIsOneLineWithItsNumber) {
       {"just text", "line 1: the file holds no"},
       {"source: {a: b}\n", "line 1: source is not a single value, expected a text"},
       {"? [a]\n: b\n", "unknown key"},
-      {"measure:\n  turn: 5\n  frames: 0\n", "line 2: measure.turn is \"5\", expected none, back or around"},
+      {"measure:\n  turn: 5\n  frames: 0\n", "line 2: measure.turn is \"5\", expected none, back, around or walk"},
   };
   for (const auto& [text, expected] : kWrong) {
     const auto c = load(text);

@@ -3,7 +3,7 @@ SUMMARY = "Body measurements from a depth camera"
 DESCRIPTION = "Library, program and service that measure and dress a person before one depth camera, on the device."
 SECTION = "multimedia"
 LICENSE = "Apache-2.0"
-LIC_FILES_CHKSUM = "file://LICENSE;md5=3b83ef96387f14655fc854ddc3c6bd57 file://NOTICE;md5=b679f98ee57d44092fe5ab545966197e"
+LIC_FILES_CHKSUM = "file://LICENSE;md5=3b83ef96387f14655fc854ddc3c6bd57 file://NOTICE;md5=0d95f7a50e7b3dde568f50f76be8ff2e"
 
 # Beside this recipe: git archive --prefix=im2fit-1.0.0/ -o im2fit-1.0.0.tar.gz HEAD
 SRC_URI = "file://im2fit-${PV}.tar.gz"
@@ -22,7 +22,7 @@ EXTRA_OECMAKE = " \
 
 # The page wants three.js as Debian packs it: build/ and examples/js/ of r111, in IM2FIT_THREE_DIR.
 PACKAGECONFIG ??= ""
-PACKAGECONFIG[page] = "-DIM2FIT_PAGE=ON,-DIM2FIT_PAGE=OFF,libmicrohttpd qrencode"
+PACKAGECONFIG[page] = "-DIM2FIT_PAGE=ON,-DIM2FIT_PAGE=OFF,libmicrohttpd qrencode,libmicrohttpd"
 
 PACKAGES =+ "${PN}-cameras ${PN}-tools ${PN}-daemon"
 SYSTEMD_PACKAGES = "${PN}-daemon"
