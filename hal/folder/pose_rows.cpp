@@ -50,7 +50,7 @@ class NumberReader {
 };
 
 // Columns by the names in the first line, or in the order of the app's first versions, which had no header.
-struct Columns {
+struct PoseColumns {
   std::size_t sequence = SIZE_MAX, time = SIZE_MAX;
   std::array<std::size_t, kPoseValues> values{};
   std::array<std::size_t, 4> lens{};
@@ -63,7 +63,7 @@ struct Columns {
 };
 
 // The first name that is missing; null: all are there.
-const char* find_columns(const std::vector<std::string>& cells, PoseTable table, Columns& columns) {
+const char* find_columns(const std::vector<std::string>& cells, PoseTable table, PoseColumns& columns) {
   const bool odometry = table == PoseTable::odometry_csv;
   const Names& names = odometry ? kOdometryNames : kPosesNames;
   if (double ignored = 0; odometry && cells.size() == kPoseValues && NumberReader().read(cells[0], ignored)) {
@@ -71,17 +71,17 @@ const char* find_columns(const std::vector<std::string>& cells, PoseTable table,
     columns.header = columns.has_lens = false;
     return nullptr;
   }
-  columns.sequence = Columns::find(cells, names.sequence);
+  columns.sequence = PoseColumns::find(cells, names.sequence);
   if (columns.sequence == SIZE_MAX && !odometry) return names.sequence;
   for (std::size_t i = 0; i < kPoseValues; ++i) {
-    columns.values[i] = Columns::find(cells, names.values[i]);
+    columns.values[i] = PoseColumns::find(cells, names.values[i]);
     if (columns.values[i] == SIZE_MAX) return names.values[i];
   }
   columns.has_lens = odometry;
   if (!odometry) return nullptr;
-  columns.time = Columns::find(cells, "timestamp");
+  columns.time = PoseColumns::find(cells, "timestamp");
   for (std::size_t i = 0; i < kLensNames.size(); ++i) {
-    columns.lens[i] = Columns::find(cells, kLensNames[i]);
+    columns.lens[i] = PoseColumns::find(cells, kLensNames[i]);
     columns.has_lens = columns.has_lens && columns.lens[i] != SIZE_MAX;
   }
   return nullptr;
@@ -89,7 +89,7 @@ const char* find_columns(const std::vector<std::string>& cells, PoseTable table,
 
 class RowReader {
  public:
-  RowReader(const Columns& columns, const Names& names) : columns_(columns), names_(names) {}
+  RowReader(const PoseColumns& columns, const Names& names) : columns_(columns), names_(names) {}
 
   // What is wrong with the row, or "".
   std::string read(const std::vector<std::string>& cells, PoseRow& row) {
@@ -138,7 +138,7 @@ class RowReader {
     return "";
   }
 
-  const Columns& columns_;
+  const PoseColumns& columns_;
   const Names& names_;
   NumberReader numbers_;
 };
@@ -161,7 +161,7 @@ Result<std::vector<PoseRow>> read_pose_rows(const std::string& path, PoseTable t
   std::vector<std::string> cells;
   Result<bool> more = csv.next(cells);
   if (!more) return unread(more.error());
-  Columns columns;
+  PoseColumns columns;
   if (const char* missing = *more ? find_columns(cells, table, columns) : names.sequence)
     return Error{ErrorCode::corrupt, path + " line 1: there is no column " + missing +
                                          "; give the columns these names, or delete the file"};
