@@ -74,6 +74,8 @@ class FakeStages : public FrameStages {
     std::atomic<bool> back_describable{true};
     std::atomic<bool> turns{true};     // false: the person cannot be measured from more sides
     std::atomic<bool> damaged{false};  // the index, where the person measured would read it
+    std::atomic<float> front_x{-1};    // where the camera was of the frame added last; -1: not told
+    std::atomic<float> follow_x{-1};   // the same of the picture followed last
   };
   explicit FakeStages(Control& control) : control_(control) {}
 
@@ -122,11 +124,15 @@ class FakeStages : public FrameStages {
     if (!turned_) joints_ = detection.joints;
     return 0;
   }
+  void set_pose(const std::optional<hal::CameraPose>& pose) override {
+    control_.front_x = pose ? pose->position_mm.x : -1;
+  }
   // A shot's value is how far the person has turned.
   bool follow(const TurnFrame& frame) override {
     if (!turned_) return false;
     ++back_.frame_count;
     turned_deg_ = frame.depth.at(5, 5);
+    control_.follow_x = frame.pose ? frame.pose->position_mm.x : -1;
     return true;
   }
   float turned_deg() const override { return turned_deg_; }

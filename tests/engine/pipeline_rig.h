@@ -20,9 +20,10 @@ struct Rig {
     EXPECT_TRUE(made) << made.error().message;
     engine = std::move(*made);
   }
-  void push(const Shot& shot) {
+  void push(const Shot& shot, const std::optional<hal::CameraPose>& pose = std::nullopt) {
     hal::FrameInfo info;
     info.sequence = next;
+    info.pose = pose;
     info.host_ns = static_cast<std::int64_t>(++next) * period_ns;
     const Status status = engine->push(FramePixels(shot).view(), info);
     EXPECT_TRUE(status);

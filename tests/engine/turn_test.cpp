@@ -245,6 +245,53 @@ TEST_P(TurnThreading, ATurnCountsFromWhereItIsEnoughOn) {
   }
 }
 
+hal::CameraPose camera_at(float x_mm) {
+  hal::CameraPose pose;
+  pose.position_mm = {x_mm, 0, 0};
+  return pose;
+}
+
+// Of a camera that is carried round: the front has the place of the frames that were accumulated, and each picture of
+// the turn its own.
+TEST_P(TurnThreading, ACameraThatIsCarriedRoundTellsItsPlaces) {
+  EngineSettings settings = with(GetParam());
+  settings.turn = Turn::walk;
+  Rig rig(settings);
+  for (int i = 0; i < 9; ++i) rig.push({.value = 2000}, camera_at(10));
+  rig.push({.refused = true, .value = 2000}, camera_at(300));
+  rig.engine->wait_idle(-1);
+  EXPECT_EQ(rig.control.front_x, 10) << "that of a refused frame is not the front's";
+  rig.push({.value = 2000}, camera_at(310));
+  rig.engine->wait_idle(-1);
+  EXPECT_EQ(rig.engine->result().state, SessionState::turning);
+  EXPECT_EQ(rig.engine->result().guidance, static_cast<GuidanceSet>(Guidance::walk_round));
+  for (int i = 1; i <= 160; ++i)
+    rig.push({.value = static_cast<std::uint16_t>(i), .view = ViewSide::side},
+             camera_at(310 + 40 * static_cast<float>(i)));
+  rig.engine->wait_idle(-1);
+  EXPECT_GE(rig.control.follow_x, 310 + 40 * 157);
+  rig.engine->finish();
+  EXPECT_EQ(rig.engine->result().views, AnswerViews::around);
+}
+
+// Else a frame would be changed to a view of before, of which the camera has forgotten the way.
+TEST_P(TurnThreading, AfterAGapAnotherPersonOrALostPlaceTheViewBeginsAnew) {
+  enum class What { nothing, gap, next_person, lost, reset };
+  for (const What what : {What::nothing, What::gap, What::next_person, What::lost, What::reset}) {
+    EngineSettings settings = with(GetParam());
+    settings.frames_wanted = 5;
+    Rig rig(settings);
+    for (int i = 0; i < 3; ++i) rig.push({.value = 2000}, camera_at(10));
+    if (what == What::gap) rig.next += 200;
+    if (what == What::next_person) rig.engine->next_person();
+    if (what == What::lost) rig.push({.value = 2000});
+    if (what == What::reset) rig.engine->reset();
+    rig.push({.value = 2000}, camera_at(60));
+    rig.engine->wait_idle(-1);
+    EXPECT_EQ(rig.control.front_x, what == What::nothing ? 10 : 60) << static_cast<int>(what);
+  }
+}
+
 TEST_P(TurnThreading, WhoCannotBeMeasuredAllRoundIsNotAskedToTurn) {
   EngineSettings settings = with(GetParam());
   settings.turn = Turn::around;

@@ -244,7 +244,7 @@ TEST_F(Confidence, PixelsBelowTheThresholdHaveNoDepth) {
     ASSERT_TRUE(source) << source.error().message;
     const Replay seen = replay(**source);
     ASSERT_EQ(seen.pixels.size(), 4U);
-    for (std::uint64_t i = 0; i < 4; ++i) EXPECT_EQ(seen.pixels[i], expected(i, chosen.value_or(2)));
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(seen.pixels[i], expected(i, chosen.value_or(2)));
   }
   EXPECT_NE(expected(0, 2), expected(0, 0));
 }
