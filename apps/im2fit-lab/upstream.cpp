@@ -68,12 +68,11 @@ Result<UpstreamCopy> clone_upstream(const std::string& repository, const std::st
   const std::string url = std::filesystem::is_directory(repository, code)
                               ? "file://" + std::filesystem::absolute(repository, code).string()
                               : repository;
-  const auto unreachable = [&](const Error& error) {
-    return Error{error.code == ErrorCode::not_found ? error.code : ErrorCode::io, repository + " cannot be reached"};
-  };
+  if (!run_child({"git", "--version"}, ChildErrors::hidden))
+    return Error{ErrorCode::not_found, "git is missing; install it (Debian: git)"};
   const auto answer =
       run_child(git(kAnswerSeconds, {"ls-remote", "--exit-code", "--", url, "HEAD"}), ChildErrors::hidden);
-  if (!answer) return unreachable(answer.error());
+  if (!answer) return Error{ErrorCode::io, repository + " cannot be reached"};
 
   UpstreamCopy copy{scratch + "/makehuman", first_word(*answer)};
   // A server that knows no filters (a file, an old one) sends all of the commit: slower, the same files.
@@ -83,7 +82,8 @@ Result<UpstreamCopy> clone_upstream(const std::string& repository, const std::st
                             "/makehuman/data/3dobjs/base.obj", "/makehuman/data/rigs/", "/makehuman/data/targets/"},
                            {"-C", copy.directory, "checkout", "--quiet"}})
     if (const auto done = run_child(git(kCloneSeconds, step), ChildErrors::hidden); !done)
-      return unreachable(done.error());
+      return Error{ErrorCode::unsupported, repository + " answers, but cannot be copied (" + done.error().message +
+                                               "); is there room on the disk, and git of version 2.35 or newer?"};
   return copy;
 }
 

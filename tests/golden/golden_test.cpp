@@ -52,14 +52,14 @@ TEST(GoldenBodies, FitsGiveTheSameBits) {
   const std::string path = body::body_pack_path();
   if (!std::filesystem::exists(path)) {
     ASSERT_TRUE(may_skip()) << "no body file at " << path;
-    GTEST_SKIP() << "no body file at " << path << ": run im2fit-lab fetch";
+    GTEST_SKIP() << "no body file at " << path << ": run im2fit-lab fetch --source npm";
   }
   const auto found = bodies(path);
   ASSERT_TRUE(found) << found.error().message;
   const std::string expected = text_of(kDirectory + "/bodies.txt");
   if (expected.substr(0, expected.find('\n')) != found->substr(0, found->find('\n'))) {
     // Even where nothing may be skipped: the shape space is learned with Eigen, whose sums depend on the processor.
-    GTEST_SKIP() << path << " was not made from the data of im2fit-lab fetch";
+    GTEST_SKIP() << path << " was not made from the data of im2fit-lab fetch --source npm";
   }
   EXPECT_EQ(first_difference(expected, *found), "");
 }
