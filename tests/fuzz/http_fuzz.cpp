@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <string>
 
@@ -18,6 +19,12 @@ namespace im2fit::apps {
 const WebFile* web_file(std::string_view path) {
   static const WebFile page{"/", "text/html", "page", "packed", true};
   return path == "/" ? &page : nullptr;
+}
+
+// The server says so of a request whose answer threw: none may.
+void print_error(const std::string& text) {
+  std::fputs((text + "\n").c_str(), stderr);
+  std::abort();
 }
 
 }  // namespace im2fit::apps
