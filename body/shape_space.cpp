@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 
@@ -103,10 +104,12 @@ Result<Sections> read_sections(const ContainerReader& reader, const std::string&
 void make_room(std::vector<float>& values, std::size_t count) {
   values.reserve(count);
 #ifdef MADV_POPULATE_WRITE
-  constexpr std::uintptr_t kPage = 4096;  // of larger pages the call fails, and faults make them
-  const auto begin = (reinterpret_cast<std::uintptr_t>(values.data()) + kPage - 1) / kPage * kPage;
-  const auto end = reinterpret_cast<std::uintptr_t>(values.data() + count) / kPage * kPage;
-  if (begin < end) (void)::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_POPULATE_WRITE);
+  constexpr std::size_t kPage = 4096;  // of larger pages the call fails, and faults make them
+  auto* const first = reinterpret_cast<std::byte*>(values.data());
+  const std::size_t skipped = (kPage - reinterpret_cast<std::uintptr_t>(first) % kPage) % kPage;
+  const std::size_t bytes = count * sizeof(float);
+  if (bytes > skipped + kPage)
+    (void)::madvise(first + skipped, (bytes - skipped) / kPage * kPage, MADV_POPULATE_WRITE);
 #endif
 }
 
