@@ -43,7 +43,7 @@ enum class Turn : int { none, back, around, walk };
 constexpr bool is_all_round(Turn turn) {
   return turn == Turn::around || turn == Turn::walk;
 }
-// What is asked for in TURNING.
+// The guidance of the state TURNING.
 constexpr Guidance turn_guidance(Turn turn) {
   return turn == Turn::back ? Guidance::turn_round : turn == Turn::walk ? Guidance::walk_round : Guidance::turn_on;
 }
@@ -185,8 +185,9 @@ class Engine : public FrameSink {
   // acquire, commit, push, finish and reset: from one producer thread.
   // A place in the pool; waits when it is full unless live. Errors: after finish(), fault().
   Result<DepthImage> acquire() override = 0;
-  // Hands the place's frame on. Live: gives up the oldest frame not yet begun when two wait (the new one when all are
-  // begun). Errors: nothing was acquired, fault().
+  // Hands the place's frame on. Not live: returns when the engine may need another frame, so that none is read in
+  // vain; with the last one that is after measuring. Live: gives up the oldest frame not yet begun when two wait (the
+  // new one when all are begun). Errors: nothing was acquired, fault().
   Status commit(const hal::FrameInfo& info) override = 0;
   // Both, for a frame that lies elsewhere. Error besides: another size than the settings'.
   virtual Status push(DepthView depth, const hal::FrameInfo& info) = 0;

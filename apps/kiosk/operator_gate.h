@@ -35,7 +35,7 @@ class OperatorGate {
   static constexpr std::chrono::milliseconds kSlowness{1000};
   static constexpr std::size_t kAddressesMax = 1024;  // remembered; further ones are counted together
 
-  // "" is no password: it admits nobody.
+  // An empty password admits nobody.
   explicit OperatorGate(std::string password) : password_(std::move(password)) {}
   struct SignIn {
     std::string session;                // "": the password is wrong

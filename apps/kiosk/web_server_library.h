@@ -7,8 +7,8 @@
 
 namespace im2fit::apps {
 
-// Once, before the first PageServer. Error: the library is not installed. Calls of its functions (microhttpd.h) load
-// it, too; without the library they fail as they do when there is no memory.
+// Call once, before the first PageServer. Error: the library is not installed. The functions of microhttpd.h load the
+// library too. Without it they return what they return when memory runs out.
 Status load_web_server_library();
 
 }  // namespace im2fit::apps

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// One body from many depth pictures of a person who turns round before a fixed camera, or about whom a camera is
-// carried. The body known from the front
-// is followed from picture to picture by its pose alone; then one shape and a pose of each of some pictures are
-// fitted together, the shape by people's components and smooth bumps; what is left between skin and pictures becomes
-// a field of offsets. What two views on opposite sides never see, a thickness, is measured so.
+// One body from many depth pictures of a person who turns round before a fixed camera, or round whom a camera is
+// carried. The body known from the front is followed from picture to picture by its pose alone; then one shape and a
+// pose of each of some pictures are fitted together, the shape by people's components and smooth bumps; what is left
+// between skin and pictures becomes a field of offsets. What two views on opposite sides never see, a thickness, is
+// measured so.
 // Equations and weights: docs/fit.md.
 //
 // Only + - * / and sqrt in written order: the same bits on every machine. No allocation after construction.

@@ -29,7 +29,7 @@ inline constexpr int kConfidenceMin = 2;
 
 // What another recorder keeps in files of its own (hal/folder/stray_scanner.h). For frames as stored.
 struct FolderContents {
-  std::string frames_path, confidence_path;  // "": there is no confidence
+  std::string frames_path, confidence_path;  // the second is empty where the recorder keeps no confidence
   CameraFile camera;
   std::map<std::uint64_t, FrameInfo> frames;  // by number; empty: there are neither times nor poses
   std::int64_t frame_ns = 0;                  // from frame to frame, where `frames` is empty

@@ -49,7 +49,7 @@ class Parity(unittest.TestCase):
         self.run_it()
         code, text = self.run_it("--check")
         self.assertEqual((code, "im2fit_fly is in no SDK" in text), (1, True), text)
-        # A comment is no call; a call in one SDK is enough.
+        # Comments do not count as calls. One SDK that calls the function is enough.
         self.change(PYTHON, "def version()", "# im2fit_fly\ndef version()")
         self.assertEqual(self.run_it()[0], 1)
         self.change(PYTHON, "def version()", "def fly():\n    _lib().im2fit_fly(None)\n\n\ndef version()")

@@ -54,7 +54,7 @@ class Mask(
 
 /** The sides behind a measurement. Order of IM2FIT_VIEWS_... */
 enum class Views {
-    /** There is no measurement. */
+    /** Nobody was measured. */
     NONE, FRONT, FRONT_AND_BACK,
     /** The front and a turn of at least 150 degrees. */
     AROUND
