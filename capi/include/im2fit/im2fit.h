@@ -189,12 +189,15 @@ IM2FIT_API void im2fit_close(im2fit_handle* handle);
 
 /* ---- Frames ---------------------------------------------------------------------------------------------------- */
 
-/* Copies one upright depth frame into the engine. Waits while the engine is behind, and while the frames it has may
- * be enough: the last frame returns after measuring. With settings.live = 1 it never waits. depth_mm  16-bit
- * millimetres, 0: no data stride    values (not bytes) from row to row; 0: width sequence  the camera's frame number,
- * to count gaps; 0: it has none time_ns   the camera's monotonic time; 0: it has none Errors: INVALID_ARGUMENT  the
- * size is not that of the settings; the stride is less than the width; after im2fit_finish CORRUPT           the
- * index is damaged, as im2fit_finish */
+/* Copies one upright depth frame into the engine. With settings.live = 0 it waits while the engine is behind, and
+ * while the frames that the engine has may be enough: the last frame's call returns after measuring.
+ *   depth_mm  16-bit millimetres, 0: no data
+ *   stride    values (not bytes) from row to row; 0: width
+ *   sequence  the camera's frame number, to count gaps; 0: it has none
+ *   time_ns   the camera's monotonic time; 0: it has none
+ * Errors:
+ *   INVALID_ARGUMENT  the size is not that of the settings; the stride is less than the width; after im2fit_finish
+ *   CORRUPT           the index is damaged, as im2fit_finish */
 IM2FIT_API int im2fit_push(im2fit_handle* handle, const uint16_t* depth_mm, int32_t width, int32_t height,
                            size_t stride, uint64_t sequence, int64_t time_ns);
 
