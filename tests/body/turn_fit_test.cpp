@@ -127,15 +127,25 @@ float level_mm(const BodyModel& model, std::span<const Vec3f> rest, float gender
   return 0;
 }
 
-// Follows a whole turn in steps of 12 degrees, fits eight pictures of it and measures the body found.
+// The axes of a camera that was carried round by so much to the person's right: it sees the picture of the person
+// turned by so much to the left. Told a little wrong, but for the floor.
+PersonAxes carried_by(const PersonAxes& front, float yaw_deg, Vec3f off_mm) {
+  const Mat3f turn = rotation_about({0, 1, 0}, yaw_deg);  // about the vertical: the same in both axes
+  const Vec3f centre{0, 0, kDistanceMm};
+  return front.seen_from(turn, centre - turn * centre + off_mm, {true, {0, -1, 0}, kCameraHeightMm});
+}
+
+// Follows a whole turn in steps of 12 degrees, fits eight pictures of it and measures the body found. `carried`: the
+// same pictures, as a camera sees them that is carried round a person who stands.
 struct Turned {
   float turned_deg = 0, worst_step_deg = 0;
+  float least_facing = 1;  // cosine between the pelvis' front and where it was
   int followed = 0, pictures = 0;
   bool valid = false;
   MeasurementValues values{};
   std::vector<Vec3f> mesh;
 };
-Turned turn(const BodyModel& model, const Turning& person) {
+Turned turn(const BodyModel& model, const Turning& person, bool carried = false) {
   Turned out;
   ShapeFitter front(model.shape_space());
   TurnFitter fitter(model.shape_space());
@@ -150,12 +160,16 @@ Turned turn(const BodyModel& model, const Turning& person) {
   for (int i = 1; i <= 30; ++i) {
     const float yaw = 12.0F * static_cast<float>(i);
     Turning::Picture picture = person.picture(yaw);
+    TurnPicture seen = picture.view();
+    if (carried) seen.axes = carried_by(axes, yaw, {i % 2 == 0 ? 5.0F : -5.0F, 20, 4});
     ++out.pictures;
-    if (fitter.follow(picture.view())) ++out.followed;
+    if (fitter.follow(seen)) ++out.followed;
     out.worst_step_deg = std::max(out.worst_step_deg, std::fabs(fitter.turned_deg() - yaw));
+    out.least_facing = std::min(out.least_facing, fitter.pose().rotation[0].m[8]);
     if (views.size() < 8 && fitter.turned_deg() >= 45.0F * static_cast<float>(views.size())) {
       kept.push_back(std::move(picture));
       views.push_back({kept.back().view(), fitter.pose()});
+      views.back().picture.axes = seen.axes;
     }
   }
   out.turned_deg = fitter.turned_deg();
@@ -198,54 +212,21 @@ TEST(TurnFit, AGirthBeyondAllTeachersIsMeasured) {
   EXPECT_GT(person.truth()[waist], plain.truth()[waist] + 300);
 }
 
-// The axes of a camera that was carried round by so much to the person's right: it sees the picture of the person
-// turned by so much to the left. Told a little wrong, but for the floor.
-PersonAxes carried_by(const PersonAxes& front, float yaw_deg, Vec3f off_mm) {
-  const Mat3f turn = rotation_about({0, 1, 0}, yaw_deg);  // about the vertical: the same in both axes
-  const Vec3f centre{0, 0, kDistanceMm};
-  return front.seen_from(turn, centre - turn * centre + off_mm, {true, {0, -1, 0}, kCameraHeightMm});
-}
-
 TEST(TurnFit, ACameraCarriedRoundMeasuresAsAPersonWhoTurns) {
   IM2FIT_NEEDS_SPACE();
   const BodyModel& model = *real_body();
   const Turning person(model, 0, 0);
-  const Turned turned = turn(model, person);
-  ASSERT_TRUE(turned.valid);
-  ShapeFitter front(model.shape_space());
-  TurnFitter fitter(model.shape_space());
-  std::vector<Turning::Picture> kept = {person.picture(0)};
-  kept.reserve(kTurnViewMax);
-  const FitView view = person.front(kept[0]);
-  const ShapeFit& fit = front.run({&view, 1});
-  const PersonAxes axes(view.joints, view.floor);
-  fitter.begin(std::span(fit.shape).first(model.shape_space().shape_count), fit.pose, axes, true);
-  std::vector<TurnView> views = {{kept[0].view(), fit.pose}};
-  for (int i = 1; i <= 30; ++i) {
-    const float yaw = 12.0F * static_cast<float>(i);
-    Turning::Picture picture = person.picture(yaw);
-    TurnPicture seen = picture.view();
-    seen.axes = carried_by(axes, yaw, {i % 2 == 0 ? 5.0F : -5.0F, 20, 4});
-    ASSERT_TRUE(fitter.follow(seen)) << yaw;
-    EXPECT_NEAR(fitter.turned_deg(), yaw, 8);
-    // The person stands still.
-    EXPECT_GT(fitter.pose().rotation[0].m[8], 0.97F) << yaw;
-    if (views.size() < 8 && fitter.turned_deg() >= 45.0F * static_cast<float>(views.size())) {
-      kept.push_back(std::move(picture));
-      views.push_back({kept.back().view(), fitter.pose()});
-      views.back().picture.axes = seen.axes;
-    }
-  }
-  EXPECT_EQ(views.size(), 8U);
-  const TurnFit& found = fitter.run(views);
-  ASSERT_TRUE(found.valid);
-  std::vector<Vec3f> mesh(static_cast<std::size_t>(model.vertex_count()));
-  model.morph({}, mesh);
-  PointMesh(model).run(found.points, found.bones, mesh);
-  const MeasurementValues values = measure_rest_mesh(model, mesh, person.gender());
+  const Turned turned = turn(model, person), walked = turn(model, person, true);
+  ASSERT_TRUE(turned.valid && walked.valid);
+  EXPECT_EQ(walked.followed, walked.pictures);
+  EXPECT_NEAR(walked.turned_deg, 360, 4);
+  EXPECT_LT(walked.worst_step_deg, 8);
+  EXPECT_GT(walked.least_facing, 0.97F) << "the person stands still";
+  EXPECT_LT(turned.least_facing, -0.97F);
   for (const Measurement id :
        {Measurement::stature, Measurement::chest_girth, Measurement::waist_girth, Measurement::hip_girth})
-    EXPECT_NEAR(values[measurement_index(id)], turned.values[measurement_index(id)], 4) << static_cast<int>(id);
+    EXPECT_NEAR(walked.values[measurement_index(id)], turned.values[measurement_index(id)], 4)
+        << static_cast<int>(id);
 }
 
 TEST(TurnFit, NothingIsAllocatedAfterConstruction) {
