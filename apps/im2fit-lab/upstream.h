@@ -15,10 +15,10 @@ struct UpstreamCopy {
   std::string directory;  // the checkout: only what train/makehuman may read
   std::string commit;
 };
-// A shallow copy of the newest commit into a new directory within `scratch`. `repository`: a URL, or the directory of
-// a repository. Gives up when the server does not answer within 10 seconds, or sends less than a kilobyte a second
-// for
-// 30. Errors: not_found (git is missing), io (the repository cannot be reached), unsupported (it cannot be copied).
+// A shallow copy of the newest commit into a new directory within `scratch`. `repository`: a URL, or the directory
+// of a repository. Gives up when the server does not answer within 10 seconds, or sends less than a kilobyte a
+// second for 30 seconds. Errors: not_found (git is missing), io (the repository cannot be reached), unsupported (it
+// cannot be copied).
 Result<UpstreamCopy> clone_upstream(const std::string& repository, const std::string& scratch);
 
 // Whether `files`, in `directory`, are those that this release was tried with. `scratch`: for a list. Error: corrupt.

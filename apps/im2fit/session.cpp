@@ -47,7 +47,7 @@ Result<WantedFiles> wanted_files(const std::string& words) {
 
 WantedFiles wanted_files(const SessionOptions& options) {
   const auto wanted = wanted_files(options.only);
-  return wanted ? *wanted : WantedFiles();  // the error of "": all
+  return wanted ? *wanted : WantedFiles();  // without --only there are no words, and all files are made
 }
 
 void add_session_options(cli::App& sub, SessionOptions& options) {

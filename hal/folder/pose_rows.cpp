@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdio>
 #include <locale>
-#include <sstream>
 
 #include "core/file.h"
 #include "formats/csv.h"
@@ -33,21 +32,6 @@ struct Names {
 constexpr Names kPosesNames = {"sequence", {"x_m", "y_m", "z_m", "qx", "qy", "qz", "qw"}};
 constexpr Names kOdometryNames = {"frame", {"x", "y", "z", "qx", "qy", "qz", "qw"}};
 constexpr std::array<const char*, 4> kLensNames = {"fx", "fy", "cx", "cy"};
-
-// To the nearest double, whatever the locale, with an exponent: from_chars for floats is not in every standard
-// library we build with, and CsvReader::number() takes no exponent.
-class NumberReader {
- public:
-  NumberReader() { stream_.imbue(std::locale::classic()); }
-  bool read(const std::string& text, double& value) {
-    stream_.clear();
-    stream_.str(text);
-    return (stream_ >> value) && stream_.peek() == std::istringstream::traits_type::eof();
-  }
-
- private:
-  std::istringstream stream_;
-};
 
 // Columns by the names in the first line, or in the order of the app's first versions, which had no header.
 struct PoseColumns {
@@ -144,6 +128,16 @@ class RowReader {
 };
 
 }  // namespace
+
+NumberReader::NumberReader() {
+  stream_.imbue(std::locale::classic());
+}
+
+bool NumberReader::read(const std::string& text, double& value) {
+  stream_.clear();
+  stream_.str(text);
+  return (stream_ >> value) && stream_.peek() == std::istringstream::traits_type::eof();
+}
 
 Result<std::vector<PoseRow>> read_pose_rows(const std::string& path, PoseTable table) {
   const auto bytes = read_file(path, kTableBytesMax);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,17 @@
 #include "hal/source.h"
 
 namespace im2fit::hal {
+
+// Reads a number to the nearest double, whatever the locale, with an exponent: from_chars for floats is not in every
+// standard library we build with, and CsvReader::number() takes no exponent. False: the text is not a number.
+class NumberReader {
+ public:
+  NumberReader();
+  bool read(const std::string& text, double& value);
+
+ private:
+  std::istringstream stream_;
+};
 
 // Camera to world, for the axes of the frame as stored: x right, y down, z forward.
 struct PoseRow {

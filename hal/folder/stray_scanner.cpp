@@ -5,8 +5,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <locale>
-#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -43,6 +41,7 @@ Result<Lens> read_matrix(const std::string& path) {
   CsvReader csv({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path);
   const Error wrong{ErrorCode::corrupt,
                     path + " is not a matrix fx, 0, cx / 0, fy, cy / 0, 0, 1; copy the recording again"};
+  NumberReader numbers;
   std::vector<double> values;
   std::vector<std::string> cells;
   for (;;) {
@@ -51,10 +50,8 @@ Result<Lens> read_matrix(const std::string& path) {
     if (!*more) break;
     if (cells.size() != 3 || values.size() >= 9) return wrong;
     for (const std::string& cell : cells) {
-      std::istringstream stream(cell);
-      stream.imbue(std::locale::classic());
       double value = 0;
-      if (!(stream >> value) || stream.peek() != std::istringstream::traits_type::eof()) return wrong;
+      if (!numbers.read(cell, value)) return wrong;
       values.push_back(value);
     }
   }
