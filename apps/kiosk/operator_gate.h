@@ -28,8 +28,8 @@ class OperatorGate {
   static constexpr std::chrono::minutes kIdleMax{30};  // a session ends without a request, and after kSessionMax
   static constexpr std::chrono::hours kSessionMax{12};
   // After kWrongMax wrong passwords from an address within kWrongWindow of each other, every answer to that address
-  // comes after kSlowness, the right password's too: nobody is locked out, and guessing is slow, because a client
-  // that does not wait learns nothing.
+  // comes after kSlowness, the right password's too: nobody is locked out, and guessing is slow on each connection,
+  // because a client that does not wait learns nothing.
   static constexpr int kWrongMax = 5;
   static constexpr std::chrono::minutes kWrongWindow{1};
   static constexpr std::chrono::milliseconds kSlowness{1000};
