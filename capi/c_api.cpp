@@ -46,7 +46,7 @@ static_assert(IM2FIT_GUIDANCE_WALK_ROUND == static_cast<int>(im2fit::Guidance::w
 static_assert(IM2FIT_TURN_WALK == static_cast<int>(im2fit::Turn::walk));
 static_assert(IM2FIT_CLOTHING_DRESSED == static_cast<int>(im2fit::ClothingGiven::dressed));
 // No padding at the end, which callers never set: a field that comes later would be read from it.
-static_assert(sizeof(im2fit_settings) == offsetof(im2fit_settings, calibration_site_data) + sizeof(im2fit_data));
+static_assert(sizeof(im2fit_settings) == offsetof(im2fit_settings, pack_data) + sizeof(im2fit_data));
 
 #define IM2FIT_TEXT_OF(x) #x
 #define IM2FIT_TEXT(x) IM2FIT_TEXT_OF(x)

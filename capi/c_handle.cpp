@@ -137,6 +137,17 @@ Status take_file(const im2fit_data& data, const char* path, const char* field, s
   return Ok{};
 }
 
+// Fills in the models that have no file of their own.
+Status take_pack(const im2fit_settings& s, MeasuringFiles& files, MeasuringBytes& bytes) {
+  std::string name;
+  std::optional<std::vector<std::byte>> pack;
+  if (auto ok = take_file(s.pack_data, s.pack_path, "pack_data", name, pack); !ok) return ok;
+  if (name.empty()) return Ok{};
+  for (std::string* file : {&files.tracker, &files.index, &files.body})
+    if (file->empty()) *file = name;
+  return pack ? take_models(*pack, name, files, bytes) : Status(Ok{});
+}
+
 Result<MeasuringData> load_data(const im2fit_settings& s, std::vector<std::string> charts) {
   MeasuringFiles files;
   MeasuringBytes bytes;
@@ -149,6 +160,7 @@ Result<MeasuringData> load_data(const im2fit_settings& s, std::vector<std::strin
                           bytes.site);
       !ok)
     return ok.error();
+  if (auto ok = take_pack(s, files, bytes); !ok) return ok.error();
   if (files.tracker.empty()) return missing("tracker_path");
   if (files.index.empty()) return missing("index_path");
   return load_measuring_data(files, std::move(bytes));

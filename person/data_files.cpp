@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "formats/model_pack.h"
+
 namespace im2fit {
 namespace {
 
@@ -17,6 +19,19 @@ Error advised(const Error& error, const char* maker) {
   const bool absent = error.code == ErrorCode::not_found;
   return {error.code, error.message + (absent ? "; make it with " : "; make it again with ") + maker +
                           (absent ? ", or install a pack with im2fit models install" : "")};
+}
+
+// Of a pack that holds the file among others.
+Result<std::vector<std::byte>> packed_file(const std::string& pack, const char* name) {
+  const auto file = MappedFile::open(pack);
+  if (!file) return file.error();
+  const auto opened = ModelPack::parse(file->bytes(), pack, false);
+  if (!opened) return opened.error();
+  return opened->file(name);
+}
+
+std::string name_in(const std::string& pack, const char* name) {
+  return pack + ": " + name;
 }
 
 }  // namespace
@@ -33,18 +48,33 @@ Status check_data_files(const std::string& tracker, const std::string& index, co
 }
 
 Result<body::BodyModel> load_body(const std::string& path) {
+  if (is_model_pack(path)) {
+    auto bytes = packed_file(path, kPackedBody);
+    if (!bytes) return bytes.error();
+    return body::BodyModel::parse(std::move(*bytes), name_in(path, kPackedBody));
+  }
   auto model = body::BodyModel::load(path);
   if (!model) return advised(model.error(), kBodyMaker);
   return model;
 }
 
 Result<index::Index> load_index(const std::string& path) {
+  if (is_model_pack(path)) {
+    auto bytes = packed_file(path, kPackedIndex);
+    if (!bytes) return bytes.error();
+    return index::Index::parse(std::move(*bytes), name_in(path, kPackedIndex));
+  }
   auto index = index::Index::open(path);
   if (!index) return advised(index.error(), kIndexMaker);
   return index;
 }
 
 Result<Tracker> Tracker::load(const std::string& path) {
+  if (is_model_pack(path)) {
+    auto bytes = packed_file(path, kPackedTracker);
+    if (!bytes) return bytes.error();
+    return parse(std::move(*bytes), name_in(path, kPackedTracker));
+  }
   auto file = MappedFile::open(path);
   if (!file) return advised(file.error(), kTrackerMaker);
   auto model = JointModel::parse(file->bytes(), path);

@@ -15,6 +15,7 @@
 
 namespace im2fit {
 
+// Wherever a path names a body, an index or a tracker, it may name a model pack that holds one.
 Result<body::BodyModel> load_body(const std::string& path);
 Result<index::Index> load_index(const std::string& path);
 

@@ -6,6 +6,7 @@
 #include "body/shape_space.h"
 #include "core/crc32c.h"
 #include "core/file.h"
+#include "formats/model_pack.h"
 
 namespace im2fit {
 
@@ -42,7 +43,44 @@ Status compare_index(MeasuringData& data, std::optional<std::uint32_t> index_crc
   return Ok{};
 }
 
+// Whose bytes are still to be read from the pack, and which of its files they are.
+struct PackedModel {
+  const std::string& path;
+  std::optional<std::vector<std::byte>>& bytes;
+  const char* name;
+};
+
+// Of a pack that is named for several models, all in one reading.
+Status unpack_models(const MeasuringFiles& files, MeasuringBytes& bytes) {
+  const PackedModel models[] = {{files.tracker, bytes.tracker, kPackedTracker},
+                                {files.index, bytes.index, kPackedIndex},
+                                {files.body, bytes.body, kPackedBody}};
+  for (const PackedModel& first : models) {
+    if (first.bytes || first.path.empty() || !is_model_pack(first.path)) continue;
+    const auto file = MappedFile::open(first.path);
+    if (!file) return file.error();
+    if (auto ok = take_models(file->bytes(), first.path, files, bytes); !ok) return ok;
+  }
+  return Ok{};
+}
+
 }  // namespace
+
+Status take_models(std::span<const std::byte> pack, const std::string& name, const MeasuringFiles& files,
+                   MeasuringBytes& bytes) {
+  const auto opened = ModelPack::parse(pack, name, false);
+  if (!opened) return opened.error();
+  const PackedModel models[] = {{files.tracker, bytes.tracker, kPackedTracker},
+                                {files.index, bytes.index, kPackedIndex},
+                                {files.body, bytes.body, kPackedBody}};
+  for (const PackedModel& model : models) {
+    if (model.bytes || model.path != name) continue;
+    auto content = opened->file(model.name);
+    if (!content) return content.error();
+    model.bytes = std::move(*content);
+  }
+  return Ok{};
+}
 
 bool MeasuringData::fits_shapes() const {
   return body_model != nullptr && index->fit_layout().size() > 0 &&
@@ -61,6 +99,7 @@ Result<MeasuringData> load_measuring_data(const MeasuringFiles& files, Measuring
     if (!site) return site.error();
     data.site = std::make_unique<SiteCalibration>(std::move(*site));
   }
+  if (auto ok = unpack_models(files, bytes); !ok) return ok.error();
   auto tracker =
       bytes.tracker ? Tracker::parse(std::move(*bytes.tracker), files.tracker) : Tracker::load(files.tracker);
   if (!tracker) return tracker.error();

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@
 
 namespace im2fit {
 
+// Each may name a model pack, which holds all three models.
 struct MeasuringFiles {
   std::string tracker;                   // .i2t
   std::string index;                     // .i2f
@@ -28,6 +30,10 @@ struct MeasuringFiles {
 struct MeasuringBytes {
   std::optional<std::vector<std::byte>> tracker, index, body, site;
 };
+
+// Of a model pack's bytes those of the files that are called `name` and that `bytes` lacks. Errors: as ModelPack's.
+Status take_models(std::span<const std::byte> pack, const std::string& name, const MeasuringFiles& files,
+                   MeasuringBytes& bytes);
 
 // An engine refers to tracker, index and shape space, a measurement to model, charts and tape: they stay where they
 // are when this is moved.

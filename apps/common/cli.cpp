@@ -100,6 +100,10 @@ Option* App::add_option(const std::string& name, std::vector<std::string>& value
 Option* App::add_flag(const std::string& name, bool& value, const std::string& description) {
   return keep(app_->add_flag(name, value, description));
 }
+Option* App::add_option_function(const std::string& name, const std::function<void(const std::string&)>& take,
+                                 const std::string& description) {
+  return keep(app_->add_option_function<std::string>(name, take, description));
+}
 Option* App::add_word_flag(const std::string& name, std::string& value, const std::string& word,
                            const std::string& description) {
   return keep(app_->add_flag_callback(

@@ -66,6 +66,9 @@ class App {
   Option* add_option(const std::string& name, double& value, const std::string& description);
   Option* add_option(const std::string& name, std::string& value, const std::string& description);
   Option* add_option(const std::string& name, std::vector<std::string>& values, const std::string& description);
+  // Given, it calls `take` with its text. Options take theirs in the order they were added.
+  Option* add_option_function(const std::string& name, const std::function<void(const std::string&)>& take,
+                              const std::string& description);
   Option* add_flag(const std::string& name, bool& value, const std::string& description);
   // Given, it sets `value` to `word`.
   Option* add_word_flag(const std::string& name, std::string& value, const std::string& word,

@@ -56,14 +56,29 @@ std::string model_directory() {
   return cache_directory();
 }
 
+std::string path_among(const std::string& models, const std::string& file) {
+  std::error_code code;
+  return std::filesystem::is_directory(models, code) ? models + "/" + file : models;
+}
+
+namespace {
+
+std::string default_path(const char* variable, const char* file) {
+  const std::string given = environment(variable), models = environment("IM2FIT_MODELS");
+  if (!given.empty()) return given;
+  return models.empty() ? model_directory() + "/" + file : path_among(models, file);
+}
+
+}  // namespace
+
 std::string default_body_path() {
-  return or_else(environment("IM2FIT_BODY"), model_directory() + "/" + kBodyFile);
+  return default_path("IM2FIT_BODY", kBodyFile);
 }
 std::string default_tracker_path() {
-  return or_else(environment("IM2FIT_TRACKER"), model_directory() + "/" + kTrackerFile);
+  return default_path("IM2FIT_TRACKER", kTrackerFile);
 }
 std::string default_index_path() {
-  return or_else(environment("IM2FIT_INDEX"), model_directory() + "/" + kIndexFile);
+  return default_path("IM2FIT_INDEX", kIndexFile);
 }
 
 std::string made_body_path() {

@@ -4,7 +4,7 @@
 
 #include <map>
 
-#include "apps/common/pack/model_pack.h"
+#include "apps/common/pack/packs.h"
 #include "apps/common/paths.h"
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/pack_texts.h"
@@ -34,6 +34,7 @@ struct PackOptions {
   std::string index = made_index_path();
   std::string source, version = IM2FIT_VERSION, out;
   std::vector<std::string> add;
+  bool stored = false;
 };
 
 // Files of three makes measure something, but not people: checks here, once, that they fit.
@@ -108,7 +109,7 @@ Result<int> run_pack(const PackOptions& options) {
   }
   // What would be refused when it is read is not written.
   if (auto readable = parse_manifest(manifest_json(manifest), "--add"); !readable) return readable.error();
-  const auto pack = make_pack(manifest, contents);
+  const auto pack = make_pack(manifest, contents, options.stored ? PackCoding::stored : PackCoding::zstd);
   if (!pack) return pack.error();
   const std::string out = options.out.empty() ? "im2fit-models-" + options.version + ".i2p" : options.out;
   if (auto ok = write_file_atomically(out, *pack); !ok) return ok.error();
@@ -134,6 +135,8 @@ void add_pack(cli::App& app, Command& chosen) {
   sub->add_option("--out", options->out, "File to write (default: im2fit-models-VERSION.i2p)")->type_name("FILE");
   sub->add_option("--pack-version", options->version, "The pack's own version")->capture_default_str();
   sub->add_option("--add", options->add, "A further file: tapes, size charts, texts")->type_name("NAME=FILE");
+  sub->add_flag("--stored", options->stored,
+                "Do not compress: for programs without zstd, and where a package compresses everything");
   sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();
   sub->add_option("--tracker", options->tracker, "Tracker file")->type_name("FILE")->capture_default_str();
   sub->add_option("--index", options->index, "Index file")->type_name("FILE")->capture_default_str();

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/common/pack/model_pack.h"
+#include "apps/common/pack/packs.h"
 #include "apps/common/paths.h"
 #include "apps/im2fit/commands.h"
 #include "core/text.h"

@@ -50,7 +50,21 @@ WantedFiles wanted_files(const SessionOptions& options) {
   return wanted ? *wanted : WantedFiles();  // without --only there are no words, and all files are made
 }
 
+void add_models_option(cli::App& sub, std::string& tracker, std::string& index, std::string& body) {
+  sub.add_option_function(
+         "--models",
+         [&](const std::string& models) {
+           tracker = path_among(models, kTrackerFile);
+           index = path_among(models, kIndexFile);
+           body = path_among(models, kBodyFile);
+         },
+         "Model pack (.i2p) or directory with tracker, index and body (default: IM2FIT_MODELS, else the installed "
+         "models)")
+      ->type_name("PACK|DIR");
+}
+
 void add_session_options(cli::App& sub, SessionOptions& options) {
+  add_models_option(sub, options.tracker, options.index, options.input.body);
   add_input_options(sub, options.input);
   add_reconnect_option(sub, options.input);
   sub.add_option("--out", options.out, "Folder for result.json, avatar.glb, .obj, .bvh and overlay.png")

@@ -43,6 +43,8 @@ struct SessionOptions : MeasuringOptions {
 };
 // Of options that passed the checks of add_session_options.
 WantedFiles wanted_files(const SessionOptions& options);
+// Options that name a single file override it when they are added later.
+void add_models_option(cli::App& sub, std::string& tracker, std::string& index, std::string& body);
 void add_session_options(cli::App& sub, SessionOptions& options);
 void add_motion_option(cli::App& sub, std::string& path);
 

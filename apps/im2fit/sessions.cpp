@@ -184,6 +184,7 @@ Result<int> run_delete(const SessionsOptions& options) {
 }
 
 void add_models(cli::App& sub, RemeasureOptions& options) {
+  add_models_option(sub, options.tracker, options.index, options.body);
   sub.add_option("--body", options.body, "Body file")->type_name("FILE")->capture_default_str();
   sub.add_option("--tracker", options.tracker, "Tracker file")->type_name("FILE")->capture_default_str();
   sub.add_option("--index", options.index, "Index file")->type_name("FILE")->capture_default_str();

@@ -4,8 +4,7 @@
  *
  *   im2fit_settings settings;
  *   im2fit_settings_init(&settings, sizeof settings);
- *   settings.tracker_path = "tracker.i2t";
- *   settings.index_path = "index.i2f";
+ *   settings.pack_path = "im2fit-models-1.0.0.i2p";
  *   settings.width = 480; settings.height = 640;               upright pixels
  *   settings.fx = settings.fy = 575.8f; settings.cx = 239.5f; settings.cy = 319.5f;
  *   im2fit_handle* handle;
@@ -117,9 +116,9 @@ typedef struct im2fit_data {
 
 typedef struct im2fit_settings {
   size_t struct_size;         /* written by im2fit_settings_init */
-  const char* tracker_path;   /* .i2t, required */
-  const char* index_path;     /* .i2f, required */
-  const char* body_path;      /* .i2b. NULL: no mesh, tape, avatar or garments, and no shape is fitted */
+  const char* tracker_path;   /* .i2t; required without a pack */
+  const char* index_path;     /* .i2f; required without a pack */
+  const char* body_path;      /* .i2b. NULL without a pack: no mesh, tape, avatar or garments, no shape is fitted */
   const char* men_chart_path; /* .csv size charts (docs/result.md); both or neither. NULL: EN 13402-3, built in */
   const char* women_chart_path;
   int32_t width; /* of upright frames, pixels, 1..2048 */
@@ -142,6 +141,8 @@ typedef struct im2fit_settings {
   im2fit_data body_data;
   const char* calibration_site_path; /* .i2c: corrects every measurement (docs/calibration.md). NULL: none */
   im2fit_data calibration_site_data; /* replaces the path */
+  const char* pack_path; /* .i2p: holds tracker, index and body. A model with a path or data of its own is read there */
+  im2fit_data pack_data; /* replaces the path */
 } im2fit_settings;
 
 /* How a camera senses depth. It shapes the outline of a person, and so the girths. */

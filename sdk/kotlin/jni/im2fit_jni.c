@@ -45,9 +45,9 @@ static jbyteArray native_name(JNIEnv* env, jclass type, jint list, jint index) {
   }
 }
 
-// Order of `paths`, and of the first three's data.
-enum { TRACKER, INDEX, BODY, MEN_CHART, WOMEN_CHART, PATHS };
-enum { DATA = 3 };
+// Order of `paths`, and of the first four's data.
+enum { TRACKER, INDEX, BODY, PACK, MEN_CHART, WOMEN_CHART, PATHS };
+enum { DATA = 4 };
 // Order of `numbers`.
 enum {
   WIDTH,
@@ -63,7 +63,7 @@ enum {
   USER_ID
 };
 
-// paths: byte[5][]; contents: byte[3][], null for a path; fds, offsets, sizes: of the three, fd -1 where there is
+// paths: byte[6][]; contents: byte[4][], null for a path; fds, offsets, sizes: of the four, fd -1 where there is
 // none.
 static jint native_open(JNIEnv* env, jclass type, jobjectArray paths, jobjectArray contents, jintArray fds,
                         jlongArray offsets, jlongArray sizes, jintArray numbers, jfloatArray intrinsics,
@@ -88,6 +88,7 @@ static jint native_open(JNIEnv* env, jclass type, jobjectArray paths, jobjectArr
   settings.tracker_path = path[TRACKER];
   settings.index_path = path[INDEX];
   settings.body_path = path[BODY];
+  settings.pack_path = path[PACK];
   settings.men_chart_path = path[MEN_CHART];
   settings.women_chart_path = path[WOMEN_CHART];
   settings.width = n[WIDTH];
@@ -106,7 +107,7 @@ static jint native_open(JNIEnv* env, jclass type, jobjectArray paths, jobjectArr
   settings.cx = k[2];
   settings.cy = k[3];
 
-  im2fit_data* data[DATA] = {&settings.tracker_data, &settings.index_data, &settings.body_data};
+  im2fit_data* data[DATA] = {&settings.tracker_data, &settings.index_data, &settings.body_data, &settings.pack_data};
   jbyteArray content[DATA];
   jbyte* elements[DATA];
   for (jsize i = 0; i < DATA; ++i) {

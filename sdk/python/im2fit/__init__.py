@@ -197,7 +197,8 @@ class Settings(TypedDict, total=False):
 
 @dataclasses.dataclass(frozen=True)
 class Models:
-    """The paths of the three model files. Without a body ("") there are measurements, but no Person.avatar."""
+    """The paths of the three model files; each may be a model pack. Without a body ("") there are measurements, but no
+    Person.avatar."""
 
     body: str
     tracker: str
@@ -205,15 +206,17 @@ class Models:
 
     @staticmethod
     def find(directory: StrPath | None = None) -> Models:
-        """Finds the files as the program im2fit does: IM2FIT_BODY and so on, else a directory with all three
-        (docs/models.md). Raises FileNotFoundError."""
+        """A model pack, or a directory with the three files. None: finds them as the program im2fit does: IM2FIT_BODY and
+        so on, else IM2FIT_MODELS, else a directory with all three (docs/models.md). Raises FileNotFoundError."""
         home, env = pathlib.Path.home(), os.environ.get
         data, cache = env("XDG_DATA_HOME") or home / ".local/share", env("XDG_CACHE_HOME") or home / ".cache"
         shared = (env("XDG_DATA_DIRS") or "/usr/local/share:/usr/share").split(":")
-        if directory and pathlib.Path(directory).is_file():
-            raise FileNotFoundError(f"{directory} is a file, expected a directory with the models. Unpack a pack: im2fit "
-                                    f"models install {directory} --to DIRECTORY")
-        places = [pathlib.Path(directory)] if directory else [pathlib.Path(p) / "im2fit" for p in (data, cache, *shared) if p]
+        named = directory or env("IM2FIT_MODELS")
+        if named and pathlib.Path(named).is_file():
+            pack = os.fspath(named)
+            return Models(**{key: (None if directory else env("IM2FIT_" + key.upper())) or pack
+                             for key in ("body", "tracker", "index")})
+        places = [pathlib.Path(named)] if named else [pathlib.Path(p) / "im2fit" for p in (data, cache, *shared) if p]
         names = {"body": "body.i2b", "tracker": "tracker.i2t", "index": "index.i2f"}
         place = next((p for p in places if all((p / name).exists() for name in names.values())), None)
         found = {}
@@ -225,7 +228,7 @@ class Models:
                 found[key] = str(place / name)
             else:
                 raise FileNotFoundError(f"no models in {', '.join(map(str, places))}: expected {', '.join(names.values())}; "
-                                        "get a pack and run: im2fit models install PACK.i2p" +
+                                        "get a pack (models=\"PACK.i2p\"), or install one: im2fit models install PACK.i2p" +
                                         (f" --to {directory}" if directory else ""))
         return Models(**found)
 
@@ -234,7 +237,7 @@ class Session:
     """One person before one depth camera. push() takes frames; pump() takes them from a source of Session.of or attach().
 
     `width, height, fx, fy, cx, cy`: the depth camera, in pixels of frames as they are pushed. `rotate_deg` makes them
-    upright. `models`: the folder with the three files, or Models; None: the installed ones (Models.find). `distortion`: of a
+    upright. `models`: a model pack, the folder with the three files, or Models; None: the installed ones (Models.find). `distortion`: of a
     lens that is not yet undone, in OpenCV's order: k1, k2, p1, p2 and optionally k3. Other keywords are those of Settings:
     turn=Turn.AROUND, frames_wanted=30, clothing=Clothing.BARE, sensor=Sensor.TIME_OF_FLIGHT.
 

@@ -27,7 +27,8 @@ class Settings(c.Structure):
         ("frames_min", c.c_int32), ("calibration_psi", c.c_int32), ("live", c.c_int32), ("single_thread", c.c_int32),
         ("pool_frames", c.c_int32), ("log", c.c_void_p), ("log_user", c.c_void_p), ("user_id", c.c_int32), ("turn", c.c_int32),
         ("clothing", c.c_int32), ("sensor", c.c_int32), ("tracker_data", Data), ("index_data", Data), ("body_data", Data),
-        ("calibration_site_path", c.c_char_p), ("calibration_site_data", Data)]
+        ("calibration_site_path", c.c_char_p), ("calibration_site_data", Data),
+        ("pack_path", c.c_char_p), ("pack_data", Data)]
 
 
 class Frame(c.Structure):

@@ -196,6 +196,11 @@ public final class FitSession {
         handle = opened
     }
 
+    /// Models of one pack (.i2p).
+    public convenience init(camera: CameraModel, pack: URL, settings: FitSettings = FitSettings()) throws {
+        try self.init(camera: camera, tracker: pack, index: pack, body: pack, settings: settings)
+    }
+
     deinit { im2fit_close(handle) }
 
     /// Processes one frame. `metres`: depth as ARKit and AVFoundation deliver it, 32-bit metres, NaN or 0: no data.

@@ -282,7 +282,8 @@ class FitSession @JvmOverloads constructor(
         const val TIMEOUT = -7
 
         fun open(camera: CameraModel, models: Models, settings: Settings): Long {
-            val files = listOf(models.tracker, models.index, models.body)
+            val pack = models.tracker.takeIf { it === models.index && it === models.body }
+            val files = if (pack != null) listOf(null, null, null, pack) else listOf(models.tracker, models.index, models.body, null)
             val paths = files.map { (it as? ModelFile.Path)?.file?.path?.toByteArray() } + listOf(null, null)
             val contents = files.map { (it as? ModelFile.Bytes)?.bytes }
             val parts = files.map { it as? ModelFile.Descriptor }
@@ -293,8 +294,8 @@ class FitSession @JvmOverloads constructor(
             )
             val opened = LongArray(1)
             val status = Native.open(
-                paths.toTypedArray(), contents.toTypedArray(), IntArray(3) { parts[it]?.fd ?: -1 },
-                LongArray(3) { parts[it]?.offset ?: 0 }, LongArray(3) { parts[it]?.length ?: 0 }, numbers,
+                paths.toTypedArray(), contents.toTypedArray(), IntArray(4) { parts[it]?.fd ?: -1 },
+                LongArray(4) { parts[it]?.offset ?: 0 }, LongArray(4) { parts[it]?.length ?: 0 }, numbers,
                 floatArrayOf(camera.fx, camera.fy, camera.cx, camera.cy), opened
             )
             if (status != Native.OK) throw Im2fitException(status, Native.text(Native.lastError(0)).orEmpty())

@@ -13,7 +13,7 @@ sealed class ModelFile {
 
     /**
      * A part of an open file, as `AssetFileDescriptor` has it for an asset that is stored without compression
-     * (`androidResources { noCompress += listOf("i2b", "i2t", "i2f") }`). Opening a session copies it. The caller closes
+     * (`androidResources { noCompress += "i2p" }`). Opening a session copies it. The caller closes
      * [fd] afterwards.
      *
      * @property fd `parcelFileDescriptor.fd`
@@ -30,9 +30,14 @@ sealed class ModelFile {
  */
 class Models(val tracker: ModelFile, val index: ModelFile, val body: ModelFile? = null) {
     companion object {
-        /** tracker.i2t, index.i2f and body.i2b of a directory, as `im2fit models install` puts them there. */
+        /** All models of one pack (.i2p). Where the library was built without zstd, a pack of `im2fit-lab pack --stored`. */
+        @JvmStatic
+        fun ofPack(pack: ModelFile): Models = Models(pack, pack, pack)
+
+        /** A pack (.i2p); or tracker.i2t, index.i2f and body.i2b of a directory, as `im2fit models install` puts them there. */
         @JvmStatic
         fun of(directory: File): Models {
+            if (directory.isFile) return ofPack(ModelFile.Path(directory))
             val files = listOf("tracker.i2t", "index.i2f", "body.i2b").map { File(directory, it) }
             val lacking = files.filterNot { it.isFile }
             require(lacking.isEmpty()) { "no ${lacking.joinToString { it.name }} in $directory: im2fit models install PACK.i2p" }

@@ -2,9 +2,9 @@
 // A model pack (.i2p): body, tracker and index that were made for each other, with tape, size charts and the licence,
 // in one compressed file that a device installs (docs/models.md).
 //
-// The file is a container (core/container.h, magic "I2PK"): section "manifest" is JSON, schema im2fit.models/1; of
-// each file it lists there is a section "0", "1", ... with its bytes compressed (.xz). The same files give the same
-// bytes.
+// The file is a container (formats/model_pack.h): section "manifest" is JSON, schema im2fit.models/1; each file that
+// it lists has a section: the models by their names, others by their numbers in the list. The same files give the
+// same bytes.
 #pragma once
 
 #include <cstddef>
@@ -12,15 +12,12 @@
 #include <string>
 #include <vector>
 
-#include "core/container.h"
 #include "core/file.h"
 #include "core/status.h"
+#include "formats/model_pack.h"
 
 namespace im2fit::apps {
 
-inline constexpr std::uint32_t kPackVersion = 1;
-// Of a pack, and of all its files together when they are unpacked. Models of 1,500 people have 7 and 20 MB.
-inline constexpr std::uint64_t kPackBytesMax = std::uint64_t{128} << 20;
 inline constexpr char kManifestName[] = "models.json";  // beside installed files: which pack they are of
 
 struct PackedFile {
@@ -50,27 +47,28 @@ Result<PackManifest> parse_manifest(const std::string& text, const std::string& 
 
 // Describes a file of these bytes, to be packed. Fills in the fields of PackManifest::files.
 PackedFile describe_file(const std::string& name, const std::vector<std::byte>& bytes);
-// `contents` in the order of manifest.files. A second or two a MB.
+// `contents` in the order of manifest.files. A second a MB where they are compressed.
 Result<std::vector<std::byte>> make_pack(const PackManifest& manifest,
-                                         const std::vector<std::vector<std::byte>>& contents);
+                                         const std::vector<std::vector<std::byte>>& contents,
+                                         PackCoding coding = PackCoding::zstd);
 
 // A pack that is what this program reads, by its manifest; its files are still packed.
-struct ModelPack {
+struct PackOnDisk {
   std::string path;
   MappedFile file;
-  ContainerReader container;
+  ModelPack pack;
   PackManifest manifest;
 };
 // Errors: corrupt where it is damaged; unsupported, naming the file inside and both versions, where it is older or
 // newer.
-Result<ModelPack> open_pack(const std::string& path);
+Result<PackOnDisk> open_pack(const std::string& path);
 // Unpacks every file, one at a time, and keeps none. Errors: corrupt, naming the file inside.
-Status verify_pack(const ModelPack& pack);
+Status verify_pack(const PackOnDisk& pack);
 
 // Unpacks the files into a folder of their own within `directory`, one at a time, then renames each to its place, the
 // manifest last: until then it is taken away, so that files of two packs are never taken for one set. A full disk or
 // a damaged pack leaves the old models. Errors: as verify_pack; io, also while another program installs there.
-Status install_pack(const ModelPack& pack, const std::string& directory);
+Status install_pack(const PackOnDisk& pack, const std::string& directory);
 
 // The manifest beside installed files. Errors: not_found; as parse_manifest.
 Result<PackManifest> installed_manifest(const std::string& directory);

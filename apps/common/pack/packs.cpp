@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/common/pack/model_pack.h"
+#include "apps/common/pack/packs.h"
 
 #include <fmt/format.h>
-#include <lzma.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -28,64 +27,8 @@
 namespace im2fit::apps {
 namespace {
 
-// .xz, whole. Body files come out 0.1 % larger than with 9, whose dictionary of 64 MiB unpacking would need as well.
-constexpr std::uint32_t kPreset = 6;
-constexpr std::uint64_t kUnpackBytesMax = std::uint64_t{32} << 20;
-
-const std::uint8_t* octets(std::span<const std::byte> bytes) {
-  return reinterpret_cast<const std::uint8_t*>(bytes.data());
-}
-
-// One thread and one fixed setting: the same bytes from the same liblzma on every machine.
-Result<std::vector<std::byte>> compress_xz(std::span<const std::byte> bytes) {
-  std::vector<std::byte> out(lzma_stream_buffer_bound(bytes.size()));
-  std::size_t written = 0;
-  const lzma_ret done = lzma_easy_buffer_encode(kPreset, LZMA_CHECK_CRC64, nullptr, octets(bytes), bytes.size(),
-                                                reinterpret_cast<std::uint8_t*>(out.data()), &written, out.size());
-  if (done != LZMA_OK) return Error{ErrorCode::io, "cannot compress (liblzma error " + std::to_string(done) + ")"};
-  out.resize(written);
-  return out;
-}
-
-// What a .xz states at its end to unpack to; 0 where it states nothing.
-std::uint64_t stated_size(std::span<const std::byte> bytes) {
-  constexpr std::size_t kEndBytes = LZMA_STREAM_HEADER_SIZE;
-  lzma_stream_flags flags{};
-  if (bytes.size() < kEndBytes || lzma_stream_footer_decode(&flags, octets(bytes.last(kEndBytes))) != LZMA_OK)
-    return 0;
-  if (flags.backward_size > bytes.size() - kEndBytes) return 0;
-  const auto list_bytes = static_cast<std::size_t>(flags.backward_size);
-  const auto list = bytes.subspan(bytes.size() - kEndBytes - list_bytes, list_bytes);
-  lzma_index* index = nullptr;
-  std::uint64_t memory = std::uint64_t{1} << 20;
-  std::size_t read = 0;
-  if (lzma_index_buffer_decode(&index, &memory, nullptr, octets(list), &read, list.size()) != LZMA_OK) return 0;
-  const std::uint64_t size = lzma_index_uncompressed_size(index);
-  lzma_index_end(index, nullptr);
-  return size;
-}
-
-// `size` is what must come out; more or less is an error. Memory is taken only where the .xz states the same, and
-// never more: neither a manifest nor a .xz that claims much or little can fill it.
-Result<std::vector<std::byte>> decompress_xz(std::span<const std::byte> bytes, std::size_t size,
-                                             const std::string& what) {
-  if (const std::uint64_t stated = stated_size(bytes); stated != size)
-    return Error{ErrorCode::corrupt, fmt::format("{} unpacks to {} bytes, expected {} by the manifest; get it again",
-                                                 what, stated, size)};
-  std::vector<std::byte> out(size);
-  std::uint64_t memory = kUnpackBytesMax;
-  std::size_t read = 0, written = 0;
-  const lzma_ret done = lzma_stream_buffer_decode(&memory, 0, nullptr, octets(bytes), &read, bytes.size(),
-                                                  reinterpret_cast<std::uint8_t*>(out.data()), &written, out.size());
-  if (done != LZMA_OK || read != bytes.size() || written != size)
-    return Error{ErrorCode::corrupt, what + " does not unpack to " + std::to_string(size) + " bytes (liblzma error " +
-                                         std::to_string(done) + "); get it again"};
-  return out;
-}
-
 using Json = nlohmann::ordered_json;
 
-constexpr char kPackMagic[] = "I2PK";
 constexpr char kSchema[] = "im2fit.models/1";
 constexpr std::size_t kFilesMax = 100;
 constexpr std::size_t kNameBytesMax = 200;
@@ -100,9 +43,9 @@ struct Known {
   const char* file;
   std::uint32_t version;
 };
-constexpr Known kKnown[] = {{"I2BD", "body", kBodyFile, body::kBodyVersion},
-                            {"I2TR", "tracker", kTrackerFile, joints::kTrackerVersion},
-                            {"I2FX", "index", kIndexFile, index::kVersion}};
+constexpr Known kKnown[] = {{"I2BD", "body", kPackedBody, body::kBodyVersion},
+                            {"I2TR", "tracker", kPackedTracker, joints::kTrackerVersion},
+                            {"I2FX", "index", kPackedIndex, index::kVersion}};
 
 const Known* known_of(std::string_view magic) {
   for (const Known& known : kKnown)
@@ -187,21 +130,11 @@ std::string fault_of_files(const std::vector<PackedFile>& files) {
   return "";
 }
 
-std::string section_name(std::size_t number) {
+// Of the file of this number and name.
+std::string section_name(std::size_t number, const std::string& name) {
+  for (const Known& known : kKnown)
+    if (name == known.file) return name;
   return std::to_string(number);
-}
-
-// A pack of another version of the pack format is not damaged.
-Status check_pack_version(std::span<const std::byte> bytes, const std::string& path) {
-  if (bytes.size() < kHeadBytes || std::memcmp(bytes.data(), kPackMagic, kMagicBytes) != 0)
-    return Error{ErrorCode::corrupt, path + " is not a model pack; expected a file im2fit-models-VERSION.i2p"};
-  std::uint32_t version = 0;
-  std::memcpy(&version, bytes.data() + kMagicBytes, sizeof version);
-  if (version == kPackVersion) return Ok{};
-  return Error{ErrorCode::unsupported,
-               fmt::format("{} is a model pack of format {}, {} than the {} this im2fit reads; get a {}", path,
-                           version, version < kPackVersion ? "older" : "newer", kPackVersion,
-                           version < kPackVersion ? "newer pack" : "newer im2fit, or an older pack")};
 }
 
 }  // namespace
@@ -262,38 +195,33 @@ PackedFile describe_file(const std::string& name, const std::vector<std::byte>& 
 }
 
 Result<std::vector<std::byte>> make_pack(const PackManifest& manifest,
-                                         const std::vector<std::vector<std::byte>>& contents) {
+                                         const std::vector<std::vector<std::byte>>& contents, PackCoding coding) {
   ContainerWriter writer(kPackMagic, kPackVersion);
   const std::string text = manifest_json(manifest);
   writer.add_array<char>("manifest", std::span(text.data(), text.size()));
   for (std::size_t i = 0; i < contents.size(); ++i) {
-    auto packed = compress_xz(contents[i]);
+    auto packed = make_pack_section(contents[i], coding);
     if (!packed) return packed.error();
-    writer.add(section_name(i), std::move(*packed));
+    writer.add(section_name(i, manifest.files[i].name), std::move(*packed));
   }
   return writer.finish();
 }
 
-Result<ModelPack> open_pack(const std::string& path) {
-  ModelPack pack;
+Result<PackOnDisk> open_pack(const std::string& path) {
+  PackOnDisk pack;
   pack.path = path;
   auto file = MappedFile::open(path);
   if (!file) return file.error();
   pack.file = std::move(*file);
-  const auto bytes = pack.file.bytes();
-  if (auto ok = check_pack_version(bytes, path); !ok) return ok.error();
-  if (bytes.size() > kPackBytesMax)
-    return Error{ErrorCode::corrupt, fmt::format("{} has {} bytes, expected at most {}; get the pack again", path,
-                                                 bytes.size(), kPackBytesMax)};
-  auto container = ContainerReader::parse(bytes, kPackMagic, kPackVersion, path);
-  if (!container) return container.error();
-  pack.container = std::move(*container);
-  const auto text = pack.container.array<char>("manifest");
+  auto opened = ModelPack::parse(pack.file.bytes(), path, true);
+  if (!opened) return opened.error();
+  pack.pack = std::move(*opened);
+  const auto text = pack.pack.section("manifest");
   if (!text) return text.error();
   if (text->size() > kTextBytesMax)
     return Error{ErrorCode::corrupt, fmt::format("{}: the manifest has {} bytes, expected at most {}", path,
                                                  text->size(), kTextBytesMax)};
-  auto manifest = parse_manifest(std::string(text->data(), text->size()), path);
+  auto manifest = parse_manifest({reinterpret_cast<const char*>(text->data()), text->size()}, path);
   if (!manifest) return manifest.error();
   pack.manifest = std::move(*manifest);
   for (const PackedFile& packed : pack.manifest.files)
@@ -303,11 +231,9 @@ Result<ModelPack> open_pack(const std::string& path) {
 
 namespace {
 
-Result<std::vector<std::byte>> unpack(const ModelPack& pack, std::size_t number) {
+Result<std::vector<std::byte>> unpack(const PackOnDisk& pack, std::size_t number) {
   const PackedFile& packed = pack.manifest.files[number];
-  const auto bytes = pack.container.section(section_name(number));
-  if (!bytes) return bytes.error();
-  auto content = decompress_xz(*bytes, static_cast<std::size_t>(packed.size), pack.path + ": " + packed.name);
+  auto content = pack.pack.file(section_name(number, packed.name), packed.size);
   if (!content) return content.error();
   const PackedFile found = describe_file(packed.name, *content);
   if (found.crc32c != packed.crc32c || found.magic != packed.magic || found.format != packed.format)
@@ -345,13 +271,13 @@ Status rename_to(const std::string& from, const std::string& to) {
 
 }  // namespace
 
-Status verify_pack(const ModelPack& pack) {
+Status verify_pack(const PackOnDisk& pack) {
   for (std::size_t i = 0; i < pack.manifest.files.size(); ++i)
     if (const auto content = unpack(pack, i); !content) return content.error();
   return Ok{};
 }
 
-Status install_pack(const ModelPack& pack, const std::string& directory) {
+Status install_pack(const PackOnDisk& pack, const std::string& directory) {
   if (auto ok = make_directory(directory); !ok) return ok;
   const Directory held(directory + "/.");  // which may be a link
   if (!held.lock_if_free())
