@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // im2fit-lab pack and im2fit models: made twice the same, installed, found, and refused when damaged, older or newer.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -12,6 +14,7 @@
 
 #include "apps/common/pack/packs.h"
 #include "body/model_data.h"
+#include "capi/include/im2fit/im2fit.h"
 #include "core/file.h"
 #include "data_paths.h"
 #include "index/format.h"
@@ -189,6 +192,79 @@ TEST_F(Models, OfAPackMeasureWithoutBeingUnpacked) {
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_TRUE(test::is_one_line_of(refused.err, "im2fit")) << refused.err;
   EXPECT_NE(refused.err.find("small.i2p"), std::string::npos) << refused.err;
+}
+
+// The C library takes a pack by path, from memory and from inside another file.
+TEST_F(Models, OfAPackOpenInC) {
+  IM2FIT_NEED_DATA();
+  const std::string path = folder_ + "/a.i2p";
+  const test::Run made =
+      test::run_program({IM2FIT_LAB_PROGRAM, "pack", "--source", "npm", "--stored", "--out", path, "--body",
+                         test::body_path(), "--tracker", test::tracker_path(), "--index", test::index_path()});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const auto pack = read_file(path);
+  ASSERT_TRUE(pack);
+  im2fit_settings plain;
+  im2fit_settings_init(&plain, sizeof plain);
+  plain.width = 480;
+  plain.height = 640;
+  plain.fx = plain.fy = 575.8F;
+  plain.cx = 240;
+  plain.cy = 320;
+  const auto opened = [](const im2fit_settings& settings) {
+    im2fit_handle* handle = nullptr;
+    im2fit_models models{};
+    EXPECT_EQ(im2fit_open(&settings, &handle), IM2FIT_OK) << im2fit_last_error(nullptr);
+    if (handle != nullptr) {
+      EXPECT_EQ(im2fit_get_models(handle, &models, sizeof models), IM2FIT_OK);
+    }
+    im2fit_close(handle);
+    models.made_by = nullptr;
+    return models;
+  };
+  const auto same = [](const im2fit_models& a, const im2fit_models& b) {
+    return a.people == b.people && a.people > 0 && a.tracker_key == b.tracker_key && a.has_body == 1 &&
+           b.has_body == 1 && a.answers_shape == b.answers_shape && a.captures == b.captures;
+  };
+  im2fit_settings apart = plain;
+  const std::string body = test::body_path(), tracker = test::tracker_path(), index = test::index_path();
+  apart.body_path = body.c_str();
+  apart.tracker_path = tracker.c_str();
+  apart.index_path = index.c_str();
+  const im2fit_models expected = opened(apart);
+
+  im2fit_settings by_path = plain, in_memory = plain, inside = plain;
+  by_path.pack_path = path.c_str();
+  EXPECT_TRUE(same(opened(by_path), expected));
+  in_memory.pack_data = {IM2FIT_DATA_MEMORY, 0, 0, pack->data(), pack->size()};
+  EXPECT_TRUE(same(opened(in_memory), expected));
+  std::vector<std::byte> asset(4099, std::byte{9});
+  asset.insert(asset.end(), pack->begin(), pack->end());
+  const std::string asset_path = folder_ + "/asset";
+  ASSERT_TRUE(write_file_atomically(asset_path, asset));
+  inside.pack_data = {IM2FIT_DATA_FD, ::open(asset_path.c_str(), O_RDONLY | O_CLOEXEC), 4099, nullptr, pack->size()};
+  ASSERT_GE(inside.pack_data.fd, 0);
+  EXPECT_TRUE(same(opened(inside), expected));
+  ::close(inside.pack_data.fd);
+
+  im2fit_settings with_own = by_path;
+  with_own.index_path = "/nonexistent.i2f";
+  const auto refused = [](const im2fit_settings& settings, int status) {
+    im2fit_handle* handle = nullptr;
+    EXPECT_EQ(im2fit_open(&settings, &handle), status);
+    return std::string(im2fit_last_error(nullptr));
+  };
+  EXPECT_NE(refused(with_own, IM2FIT_ERROR_NOT_FOUND).find("/nonexistent.i2f"), std::string::npos)
+      << "a file of its own is read in place of the pack's";
+  in_memory.pack_data.size = pack->size() / 2;
+  EXPECT_NE(refused(in_memory, IM2FIT_ERROR_CORRUPT).find("settings.pack_data"), std::string::npos);
+  std::vector<std::byte> older = *pack;
+  older[4] = std::byte{1};
+  in_memory.pack_data.bytes = older.data();
+  in_memory.pack_data.size = older.size();
+  EXPECT_NE(refused(in_memory, IM2FIT_ERROR_UNSUPPORTED)
+                .find("format 1, older than the 2 this im2fit reads; get a newer pack"),
+            std::string::npos);
 }
 
 TEST_F(Models, OfOneDirectoryAreNeverMixedWithAnothers) {

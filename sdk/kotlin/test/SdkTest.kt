@@ -215,6 +215,17 @@ fun main(arguments: Array<String>) {
         val bytes = Models(ModelFile.Bytes(content(models.tracker)), ModelFile.Bytes(content(models.index)))
         FitSession(clip.camera, bytes, quick).use { expect(it.measure(clip.frames()) is Outcome.Measured) { "not measured" } }
     }
+    test("a pack reaches the library whole, from a file and from memory") {
+        // Of another version: the library alone reads packs, and refuses this one by name.
+        val old = "I2PK".toByteArray() + byteArrayOf(1, 0, 0, 0)
+        val file = File.createTempFile("models", ".i2p").apply { writeBytes(old) }
+        for ((pack, name) in listOf(Models.of(file) to file.name, Models.ofPack(ModelFile.Bytes(old)) to "settings.pack_data")) {
+            val refused = fails<Im2fitException> { FitSession(clip.camera, pack, quick).close() }
+            val text = refused.message!!
+            expect(name in text && "is a model pack of format 1, older than the 2" in text) { "$refused" }
+        }
+        file.delete()
+    }
     test("a state is reported when it changes, and no frame is taken ahead") {
         FitSession(clip.camera, models, quick.copy(singleThread = true)).use { session ->
             var taken = 0

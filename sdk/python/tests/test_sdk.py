@@ -310,9 +310,10 @@ class Errors(unittest.TestCase):
             with self.assertRaisesRegex(FileNotFoundError, f"{folder}: expected body.i2b, tracker.i2t, .* --to {folder}"):
                 im2fit.measure(GOLDEN / "clip", models=folder)
             pack = pathlib.Path(folder) / "models.i2p"
-            pack.write_bytes(b"")
-            with self.assertRaisesRegex(FileNotFoundError, "is a file, expected a directory .* im2fit models install"):
+            pack.write_bytes(b"I2PK\x01\0\0\0")
+            with self.assertRaisesRegex(im2fit.Error, "models.i2p is a model pack of format 1, older than the 2"):
                 im2fit.measure(GOLDEN / "clip", models=pack)
+            self.assertEqual(im2fit.Models.find(pack).tracker, str(pack))
 
 
 @unittest.skipUnless(BODY and pathlib.Path(BODY).exists(), "IM2FIT_BODY names no body file")
