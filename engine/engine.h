@@ -15,6 +15,7 @@
 #include "body/fit/shape_fitter.h"
 #include "body/model.h"
 #include "core/clothing.h"
+#include "core/floor_region.h"
 #include "core/guidance.h"
 #include "core/joints.h"
 #include "core/status.h"
@@ -92,6 +93,8 @@ struct EngineSettings {
   // Of the site and its camera: every answer is corrected before it is shown or used.
   std::optional<SiteCorrection> site;
   int user = 0;                // measure the user of this id only; 0: the first who stands correctly
+  // Measure only people whose feet are within, on the floor; none: everywhere.
+  std::optional<FloorRegion> region = std::nullopt;
   bool live = false;           // live: drop the oldest frame when behind; else wait (replay never drops)
   bool single_thread = false;  // both stages on the caller's thread in push(): same bits
   // One person after the other: from the frame after MEASURED on the engine waits until the measured person leaves,
