@@ -264,6 +264,7 @@ TEST_F(Company, AHandAtAWall) {
     const bool at_left = rng.uniform() < 0.5;
     const float gap = static_cast<float>(rng.uniform(60, 200));
     Play play;
+    play.frames = kFramesWanted + 15;
     MirrorWall one, two;
     one.normal = {-1, 0, 0};
     one.distance_mm = -left + (at_left ? 0 : gap);
