@@ -242,6 +242,13 @@ class PipelineEngine final : public Engine {
     begin_again();
   }
 
+  Status set_region(const std::optional<FloorRegion>& region) override {
+    if (auto ok = check_region(region); !ok) return ok;
+    drain();
+    people().set_region(region);
+    return Ok{};
+  }
+
  private:
   PersonTracker& people() {
     return stages_->people();

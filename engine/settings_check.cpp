@@ -24,6 +24,12 @@ std::string text_of(const FloorRegion& region) {
 
 }  // namespace
 
+Status check_region(const std::optional<FloorRegion>& region) {
+  if (!region || is_region(*region)) return Ok{};
+  return Error{ErrorCode::invalid_argument, "the region is " + text_of(*region) +
+                                                ", expected x0 < x1 and z0 < z1, each at most 20 m from the camera"};
+}
+
 Status check_settings(const EngineSettings& s) {
   if (auto ok = check_range("width", s.width, 1, kImageSideMax); !ok) return ok;
   if (auto ok = check_range("height", s.height, 1, kImageSideMax); !ok) return ok;
@@ -35,10 +41,7 @@ Status check_settings(const EngineSettings& s) {
         !ok)
       return ok;
   if (auto ok = check_range("user", s.user, 0, std::numeric_limits<int>::max()); !ok) return ok;
-  if (s.region && !is_region(*s.region))
-    return Error{ErrorCode::invalid_argument,
-                 "engine setting region is " + text_of(*s.region) +
-                     ", expected x0 < x1 and z0 < z1, each at most 20 m from the camera"};
+  if (auto ok = check_region(s.region); !ok) return ok;
   if (s.intrinsics.width != s.width || s.intrinsics.height != s.height)
     return Error{ErrorCode::invalid_argument, "engine intrinsics are for " + std::to_string(s.intrinsics.width) +
                                                   "x" + std::to_string(s.intrinsics.height) + ", the frames are " +

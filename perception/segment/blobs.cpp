@@ -171,8 +171,8 @@ bool joined_with_wall(const Blobs& found) {
   const auto list = found.list();
   const bool none = std::none_of(list.begin(), list.end(), [](const Blob& blob) { return blob.person; });
   return none || std::any_of(list.begin(), list.end(), [](const Blob& blob) {
-    return blob.person && (blob.height_max_mm > kHigherThanPeopleMm || blob.r_min == 0);
-  });
+           return blob.person && (blob.height_max_mm > kHigherThanPeopleMm || blob.r_min == 0);
+         });
 }
 
 // A cabin's walls are too small for a room's. Without them who touches one stands alone. Furniture without the wall

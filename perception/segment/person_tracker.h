@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "core/camera.h"
 #include "core/floor_plane.h"
@@ -37,6 +38,7 @@ struct Keepout {
 // Why one of the people of a frame is not measured. outside: of the region. still: a figure that stands as still as
 // furniture while another one sways, such as a mannequin.
 enum class LeftOut : std::uint8_t { no, outside, still };
+inline constexpr std::array<std::string_view, 3> kLeftOutNames = {"no", "outside", "still"};
 
 // One of the people of a frame, as the coarse picture shows them (cells of 4 px at 640x480).
 struct User {

@@ -240,17 +240,19 @@ TEST_F(Company, WhoStandsInTheRegionIsMeasuredBesideAnother) {
 TEST_F(Company, AHandAtAWall) {
   if (tracker() == nullptr) GTEST_SKIP() << "no tracker";
   int good = 0, told = 0;
-  for (int i = 0; i < scene_count(); ++i) {
-    Rng rng(700 + static_cast<std::uint64_t>(i));
+  for (std::uint64_t draw = 0, i = 0; i < static_cast<std::uint64_t>(scene_count()); ++draw) {
+    Rng rng(700 + draw);
     Shot shot;
     shot.seed = rng.next();
     shot.sensor = kinect_sensor();
     shot.intrinsics = kinect_intrinsics(640, 480);
     shot.scene.yaw_deg = 0;
     shot.scene.pose = StandingPose::a_pose;
-    shot.scene.sway = false;
     shot.scene.wall_distance_mm = static_cast<float>(rng.uniform(500, 1500));
-    const Subject subject = draw_subject(model(), Family::held_out, 700, static_cast<std::uint64_t>(i));
+    const Subject subject = draw_subject(model(), Family::held_out, 700, draw);
+    Play play;
+    play.frames = kFramesWanted + 15;
+    if (watch(model(), subject, shot, play).frames_used < kFramesWanted) continue;  // the arms too close
     const UprightScene staged(model(), subject, shot);
     const PropAxes axes(staged.floor(), staged.staged().distance_mm());
     std::vector<Vec3f> mesh(static_cast<std::size_t>(model().body_vertex_count()));
@@ -263,8 +265,6 @@ TEST_F(Company, AHandAtAWall) {
     }
     const bool at_left = rng.uniform() < 0.5;
     const float gap = static_cast<float>(rng.uniform(60, 200));
-    Play play;
-    play.frames = kFramesWanted + 15;
     MirrorWall one, two;
     one.normal = {-1, 0, 0};
     one.distance_mm = -left + (at_left ? 0 : gap);
@@ -272,7 +272,7 @@ TEST_F(Company, AHandAtAWall) {
     two.distance_mm = right + (at_left ? gap : 0);
     play.walls = {one, two};
     const Seen seen = watch(model(), subject, shot, play);
-    tell("wall", i, seen);
+    tell("wall", static_cast<int>(i++), seen);
     good += measured(seen) ? 1 : 0;
     told += seen.codes.contains("STEP_TO_THE_MIDDLE") ? 1 : 0;
   }
