@@ -9,8 +9,6 @@
 //   [near]  of scenes with a person nearer than a metre 9 of 20 were right before, 98 of 100 after, all changes
 //           together (commit 2a687e0)
 //   [codes] docs/tracker.md, Guidance: what the codes promise
-//   [area]  of 400 people the largest covers 1.1 m2 (BMI 42, arms held out)
-//   [dark]  20 people in trousers without depth (tests/evaluation/company_test.cpp)
 //   [rooms] chosen on synthetic rooms, no measurement on record
 namespace im2fit::segment::advice_limits {
 
@@ -36,11 +34,11 @@ constexpr float kHeadRimMinMm = 20.0F;     // its rim behind its middle, least; 
 constexpr float kShoulderReachMm = 45.0F;  // beyond the head on both sides, least; [near]
 
 // A person joined with other things, or not whole.
-constexpr float kPersonAreaM2 = 1.4F;  // seen of a person, most; [area]
-constexpr float kLegsHalfMm = 200.0F;  // either side of the head's middle: the legs; [dark]
-constexpr float kAnkleMm = 150.0F;     // above the floor, where they end; [dark]
-constexpr int kLegCellsMin = 200;      // least, to judge; [dark]
-constexpr int kLegsShare = 3;          // one in so many of them without depth, least: legs fill half; [dark]
+constexpr float kPersonAreaM2 = 1.4F;  // seen of a person, most; [rooms]
+constexpr float kLegsHalfMm = 200.0F;  // either side of the head's middle: the legs; [rooms]
+constexpr float kAnkleMm = 150.0F;     // above the floor, where they end; [rooms]
+constexpr int kLegCellsMin = 200;      // least, to judge; [rooms]
+constexpr int kLegsShare = 3;          // one in so many of them without depth, least: legs fill half; [rooms]
 
 }  // namespace im2fit::segment::advice_limits
 
