@@ -43,6 +43,8 @@ static_assert(IM2FIT_GUIDANCE_CALIBRATION_POSE == static_cast<int>(im2fit::Guida
 static_assert(IM2FIT_GUIDANCE_TURN_ROUND == static_cast<int>(im2fit::Guidance::turn_round));
 static_assert(IM2FIT_GUIDANCE_CLOTHED == static_cast<int>(im2fit::Guidance::clothed));
 static_assert(IM2FIT_GUIDANCE_WALK_ROUND == static_cast<int>(im2fit::Guidance::walk_round));
+static_assert(IM2FIT_GUIDANCE_STEP_TO_THE_MIDDLE == static_cast<int>(im2fit::Guidance::step_to_the_middle));
+static_assert(IM2FIT_GUIDANCE_DEPTH_MISSING == static_cast<int>(im2fit::Guidance::depth_missing));
 static_assert(IM2FIT_TURN_WALK == static_cast<int>(im2fit::Turn::walk));
 static_assert(IM2FIT_CLOTHING_DRESSED == static_cast<int>(im2fit::ClothingGiven::dressed));
 // No padding at the end, which callers never set: a field that comes later would be read from it.
@@ -128,6 +130,10 @@ im2fit_result to_c(const im2fit::EngineResult& r) {
   for (std::size_t i = 0; i < static_cast<std::size_t>(r.user_count); ++i) {
     const im2fit::User& u = r.users[i];
     out.users[i] = {u.id, u.u_min, u.v_min, u.u_max, u.v_max, u.centroid_mm.x, u.centroid_mm.y, u.centroid_mm.z};
+  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(r.user_count); ++i) {
+    out.users_outside |= r.users[i].left_out == im2fit::LeftOut::outside ? 1U << i : 0;
+    out.users_still |= r.users[i].left_out == im2fit::LeftOut::still ? 1U << i : 0;
   }
   if (!r.has_joints) return out;
   out.joints_inferred = r.joints_inferred;
@@ -257,6 +263,15 @@ int im2fit_select_user(im2fit_handle* handle, int32_t user_id) {
                   "user id " + std::to_string(user_id) + ": ids are 1 and up, 0 means any person");
     h.engine->select_user(user_id);
     return static_cast<int>(IM2FIT_OK);
+  });
+}
+
+int im2fit_set_region(im2fit_handle* handle, float x0_mm, float z0_mm, float x1_mm, float z1_mm) {
+  return guarded(handle, [&](im2fit_handle& h) {
+    const bool everywhere = x0_mm == 0 && z0_mm == 0 && x1_mm == 0 && z1_mm == 0;
+    const im2fit::FloorRegion region{x0_mm, z0_mm, x1_mm, z1_mm};
+    const auto set = h.engine->set_region(everywhere ? std::nullopt : std::optional(region));
+    return set ? static_cast<int>(IM2FIT_OK) : fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, set.error().message);
   });
 }
 
@@ -407,7 +422,8 @@ const char* im2fit_state_name(int state) {
 }
 
 const char* im2fit_guidance_name(int bit) {
-  return name_at(im2fit::kGuidanceNames, bit);
+  const char* name = name_at(im2fit::kGuidanceNames, bit);
+  return name != nullptr && *name != '\0' ? name : nullptr;
 }
 
 const char* im2fit_measurement_name(int id) {

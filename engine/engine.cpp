@@ -83,6 +83,7 @@ class PipelineEngine final : public Engine {
     to_go_.store(fit_.frames_to_go_min(), std::memory_order_relaxed);
     for (std::uint32_t slot = 0; slot < pool_.slot_count(); ++slot) put(free_, slot);
     people().select(settings.user);
+    people().set_region(settings.region);
   }
 
   // Once, before the first frame. Error: a thread cannot be started; the destructor ends the one that was.
@@ -239,6 +240,13 @@ class PipelineEngine final : public Engine {
     people().select(user);
     fit_.begin_next();
     begin_again();
+  }
+
+  Status set_region(const std::optional<FloorRegion>& region) override {
+    if (auto ok = check_region(region); !ok) return ok;
+    drain();
+    people().set_region(region);
+    return Ok{};
   }
 
  private:

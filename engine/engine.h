@@ -11,10 +11,12 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "body/fit/shape_fitter.h"
 #include "body/model.h"
 #include "core/clothing.h"
+#include "core/floor_region.h"
 #include "core/guidance.h"
 #include "core/joints.h"
 #include "core/status.h"
@@ -91,7 +93,9 @@ struct EngineSettings {
   SensorKind sensor = SensorKind::unknown;  // where it is known: a driver may smooth away what shows it
   // Of the site and its camera: every answer is corrected before it is shown or used.
   std::optional<SiteCorrection> site;
-  int user = 0;                // measure the user of this id only; 0: the first who stands correctly
+  int user = 0;  // measure the user of this id only; 0: the first who stands correctly
+  // Measure only people whose feet are within, on the floor; none: everywhere.
+  std::optional<FloorRegion> region = std::nullopt;
   bool live = false;           // live: drop the oldest frame when behind; else wait (replay never drops)
   bool single_thread = false;  // both stages on the caller's thread in push(): same bits
   // One person after the other: from the frame after MEASURED on the engine waits until the measured person leaves,
@@ -109,6 +113,8 @@ struct EngineSettings {
 };
 // Whether an engine can be made with `settings`. Error: invalid_argument with the setting, its value and its range.
 Status check_settings(const EngineSettings& settings);
+// The same of its region.
+Status check_region(const std::optional<FloorRegion>& region);
 
 // Immutable snapshot; plain data, no allocation to copy. Everything stands still from MEASURED until reset(), so that
 // how far a producer ran ahead of the measurement leaves no trace: the same frames give the same result.
@@ -169,6 +175,21 @@ inline EngineResult with_known(const EngineResult& before, const KnownFacts& fac
   return result;
 }
 
+// Of the people in view, those who count as people but are not measured.
+struct LeftOutUser {
+  int user = 0;
+  std::string_view reason;  // of kLeftOutNames
+};
+inline std::vector<LeftOutUser> left_out_of(const EngineResult& result) {
+  std::vector<LeftOutUser> list;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(result.user_count); ++i) {
+    const User& user = result.users[i];
+    if (user.confirmed && user.left_out != LeftOut::no)
+      list.push_back({user.id, kLeftOutNames[static_cast<std::size_t>(user.left_out)]});
+  }
+  return list;
+}
+
 struct FrameSeen {
   DepthView depth;
   MaskView mask;
@@ -220,6 +241,9 @@ class Engine : public FrameSink {
   // From the next frame on measures only the user of this id; 0: the first user who stands correctly. A changed id
   // begins anew, as next_person() before MEASURED does. From the producer thread; waits as reset() does.
   virtual void select_user(int user) = 0;
+  // From the next frame on measures only people whose feet are within; none: everywhere. The session goes on; who
+  // held it and is outside is absent. From the producer thread; waits as reset() does. Error: it is no region.
+  virtual Status set_region(const std::optional<FloorRegion>& region) = 0;
   // For overlays, after finish(): the fused picture of the front. Empty views when there is none.
   virtual ImageView<const std::uint16_t> fused_depth_q4() const = 0;
   virtual MaskView fused_mask() const = 0;

@@ -8,12 +8,15 @@ constexpr GuidanceSet bit(Guidance g) {
   return static_cast<GuidanceSet>(g);
 }
 
+constexpr GuidanceSet kThereButNotFound =
+    bit(Guidance::too_near) | bit(Guidance::step_to_the_middle) | bit(Guidance::depth_missing);
+
 // An absent person: flicker is waited for, a loss ends the attempt. What is accumulated is kept until a person
 // is found again, so that a stream that ends with an empty room still measures who stood there.
 SessionStep on_absence(const SessionRules& rules, SessionStep step, int periods) {
   Session& next = step.next;
-  // A person too near to be found is not an absent one.
-  if (!has(step.guidance, Guidance::too_near)) step.guidance |= bit(Guidance::no_person);
+  // A person who is there but cannot be found is not an absent one.
+  if ((step.guidance & kThereButNotFound) == 0) step.guidance |= bit(Guidance::no_person);
   if (next.state == SessionState::searching || next.state == SessionState::lost) return step;
   next.psi_frames = 0;
   next.absent_periods += periods;
@@ -89,7 +92,7 @@ SessionStep on_turning(const SessionRules& rules, SessionStep step, const Sessio
 // What a person who turns can do something about. The side seen, arms and movement are those of the turn.
 constexpr GuidanceSet kWhileTurning = bit(Guidance::too_near) | bit(Guidance::too_far) | bit(Guidance::feet_cut) |
                                       bit(Guidance::head_cut) | bit(Guidance::several_people) |
-                                      bit(Guidance::too_noisy);
+                                      bit(Guidance::too_noisy) | bit(Guidance::step_to_the_middle);
 
 SessionStep on_turning_round(const SessionRules& rules, SessionStep step, const SessionView& view) {
   Session& next = step.next;

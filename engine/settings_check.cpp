@@ -15,7 +15,20 @@ Status check_range(const char* name, int value, int low, int high) {
                                                 ", expected " + std::to_string(low) + " to " + std::to_string(high)};
 }
 
+std::string text_of(const FloorRegion& region) {
+  std::string text;
+  for (const float mm : {region.x0_mm, region.z0_mm, region.x1_mm, region.z1_mm})
+    text += (text.empty() ? "" : ",") + std::to_string(mm * 0.001F);
+  return text + " m";
+}
+
 }  // namespace
+
+Status check_region(const std::optional<FloorRegion>& region) {
+  if (!region || is_region(*region)) return Ok{};
+  return Error{ErrorCode::invalid_argument, "the region is " + text_of(*region) +
+                                                ", expected x0 < x1 and z0 < z1, each at most 20 m from the camera"};
+}
 
 Status check_settings(const EngineSettings& s) {
   if (auto ok = check_range("width", s.width, 1, kImageSideMax); !ok) return ok;
@@ -28,6 +41,7 @@ Status check_settings(const EngineSettings& s) {
         !ok)
       return ok;
   if (auto ok = check_range("user", s.user, 0, std::numeric_limits<int>::max()); !ok) return ok;
+  if (auto ok = check_region(s.region); !ok) return ok;
   if (s.intrinsics.width != s.width || s.intrinsics.height != s.height)
     return Error{ErrorCode::invalid_argument, "engine intrinsics are for " + std::to_string(s.intrinsics.width) +
                                                   "x" + std::to_string(s.intrinsics.height) + ", the frames are " +

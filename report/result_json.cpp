@@ -356,6 +356,18 @@ ArmSet reported_arms(const EngineResult& result) {
   return set;
 }
 
+namespace {
+
+// Confirmed people in view who are not measured, and why.
+Json left_out_json(const EngineResult& result) {
+  Json list = Json::array();
+  for (const LeftOutUser& one : left_out_of(result))
+    list.push_back({{"user", one.user}, {"reason", std::string(one.reason)}});
+  return list;
+}
+
+}  // namespace
+
 std::string fit_json(const GarmentFit& fit) {
   return garment_json(fit).dump(2) + "\n";
 }
@@ -368,6 +380,7 @@ std::string result_json(const PersonMeasurement& person, const std::optional<Res
   json["guidance"] = names_of(reported_guidance(person));
   json["guidance_details"] = Json::object();
   if (const ArmSet arms = reported_arms(r); arms != 0) json["guidance_details"]["arms_close"] = names_of_arms(arms);
+  if (const Json left = left_out_json(r); !left.empty()) json["guidance_details"]["left_out"] = left;
   json["frames"] = {{"seen", r.frames_seen},
                     {"used", r.frames_used},
                     {"dropped", r.frames_dropped},

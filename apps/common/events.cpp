@@ -15,12 +15,16 @@ std::string camera_name(const hal::SourceInfo& source) {
 }  // namespace
 
 ShownState shown_state(const EngineResult& result) {
-  return {result.state, result.guidance, result.arms_close, result.user};
+  std::uint32_t left_out = 0;
+  for (const LeftOutUser& one : left_out_of(result)) left_out |= 1U << (static_cast<unsigned>(one.user) % 32U);
+  return {result.state, result.guidance, result.arms_close, result.user, left_out};
 }
 
 Json state_event(std::uint64_t frame, const EngineResult& result) {
   Json details = Json::object();
   if (result.arms_close != 0) details["arms_close"] = names_of_arms(result.arms_close);
+  for (const LeftOutUser& one : left_out_of(result))
+    details["left_out"].push_back({{"user", one.user}, {"reason", std::string(one.reason)}});
   return {{"event", "state"},
           {"frame", frame},
           {"state", std::string(im2fit::name_of(result.state))},

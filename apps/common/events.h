@@ -13,13 +13,14 @@ namespace im2fit::apps {
 
 using Json = nlohmann::ordered_json;
 
-// {"event": "state", ...} holds the contents of a display. A new event is sent only when one of these four fields of
+// {"event": "state", ...} holds the contents of a display. A new event is sent only when one of these five fields of
 // a result changes.
 struct ShownState {
   SessionState state = SessionState::searching;
   GuidanceSet guidance = 0;
   ArmSet arms_close = 0;
   int user = 0;
+  std::uint32_t left_out = 0;  // bits of the ids of those left out
   bool operator==(const ShownState&) const = default;
 };
 ShownState shown_state(const EngineResult& result);

@@ -27,11 +27,19 @@ struct MeasuringOptions {
   std::vector<std::string> tapes;        // files of definitions beside the shipped ones
   KnownFacts known;                      // of the first person; nothing by default
   int threads = 2;
-  int user = 0;  // 0: the nearest
+  int user = 0;        // 0: the nearest
+  std::string region;  // words of region_of(); "": everywhere
   bool live = false;
   bool one_after_another = false;  // as EngineSettings
   bool rest = false;               // as EngineSettings; recordings never rest
 };
+
+// "x0,z0,x1,z1" in metres on the floor; nothing: it is no region.
+std::optional<FloorRegion> region_of(const std::string& text);
+// The fault in such a text, "" for none.
+std::string region_fault(const std::string& text);
+// "nearest": 0, or an id; nothing: it is neither.
+std::optional<int> user_of(const std::string& word);
 
 // The files of the options, and the tape: the shipped one with people's own.
 Result<MeasuringData> load_measuring_data(const MeasuringOptions& options, const std::string& body);

@@ -3,7 +3,6 @@
 
 #include <fmt/core.h>
 
-#include <charconv>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -16,15 +15,6 @@ namespace im2fit::apps {
 namespace {
 
 // 0: the nearest.
-std::optional<int> user_of(const std::string& word) {
-  if (word == "nearest") return 0;
-  int id = 0;
-  const char* end = word.data() + word.size();
-  const auto [stop, error] = std::from_chars(word.data(), end, id);
-  if (error != std::errc() || stop != end || id < 1) return std::nullopt;
-  return id;
-}
-
 constexpr auto kFramePeriod = std::chrono::microseconds(33333);
 
 // One line on stdout, flushed at once: the reader may be a program that waits.
@@ -304,7 +294,6 @@ Result<int> run_live_shown(const LiveOptions& options, LiveListener* listener, s
 
 Result<int> run_live(const LiveOptions& given, LiveListener* listener) {
   LiveOptions options = given;
-  options.session.user = user_of(options.user).value_or(0);
   options.session.one_after_another = true;
   // A motion, pictures of every frame and a recording leave none out.
   options.session.rest =
@@ -327,12 +316,6 @@ void add_live_options(cli::App& sub, LiveOptions& options) {
   sub.remove_option(sub.get_option("--timing"));
   sub.add_option("--count", options.count, "End after N people; 0: at Ctrl-C or the source's end")
       ->range(0, 1'000'000)
-      ->capture_default_str();
-  sub.add_option("--user", options.user, "Person to measure: nearest, or an id")
-      ->type_name("nearest|ID")
-      ->check([](const std::string& word) {
-        return user_of(word) ? std::string() : "expected nearest, or the id that im2fit live shows with a person";
-      })
       ->capture_default_str();
 }
 

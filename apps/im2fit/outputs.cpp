@@ -285,10 +285,15 @@ std::string wanted_words(const SessionOutcome& outcome, const SessionOptions& op
                      std::min(EngineSettings{}.frames_min, options.frames));
 }
 
-// For frames in which no person was found: the kind of picture, when it cannot be a room in millimetres; else the
-// requirement for one.
+// For frames in which no person was found: why one who is there is not, the kind of picture, when it cannot be a room
+// in millimetres; else the requirement for one.
 std::string depth_words(const SessionOutcome& outcome) {
-  if (!has(reported_guidance(outcome.person), Guidance::no_person)) return "";
+  const GuidanceSet guidance = reported_guidance(outcome.person);
+  if (has(guidance, Guidance::depth_missing))
+    return "; the legs give no depth: dark and shiny cloth swallows the light, matte and bright clothes help";
+  if (has(guidance, Guidance::step_to_the_middle))
+    return "; the person is one surface with a wall or a shelf: nothing may touch the person";
+  if (!has(guidance, Guidance::no_person)) return "";
   const std::string diagnosis = hal::depth_diagnosis(outcome.shown->depth());
   // Legs and hips may be furniture: without the chest no person is found.
   return "; " + (diagnosis.empty() ? "the picture must reach from the floor to above the head" : diagnosis);

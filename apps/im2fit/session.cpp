@@ -110,6 +110,18 @@ void add_session_options(cli::App& sub, SessionOptions& options) {
                  "estimated from the noise and from the missing depth beside the person")
       ->one_of(std::vector<std::string>(kSensorKindNames.begin(), kSensorKindNames.end()))
       ->capture_default_str();
+  sub.add_option("--user", options.user_word,
+                 "Person to measure: nearest, or an id. With an id the others only watch")
+      ->type_name("nearest|ID")
+      ->check([](const std::string& word) {
+        return user_of(word) ? std::string() : "expected nearest, or the id that im2fit live shows with a person";
+      })
+      ->capture_default_str();
+  sub.add_option("--region", options.region,
+                 "Measure only people whose feet are within: a rectangle on the floor in metres, x to the camera's "
+                 "right, z away from it, from the point under the camera. -0.6,1.5,0.6,3 is 1.2 m wide")
+      ->type_name("X0,Z0,X1,Z1")
+      ->check(region_fault);
   sub.add_option("--size-chart", options.size_charts, "Size chart file(s), see docs/result.md (default: EN 13402-3)")
       ->type_name("CSV");
   sub.add_option("--calibration-site", options.site,
@@ -181,6 +193,7 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
   };
   MeasuringOptions measuring = options;
   measuring.known = known_facts(options.known_words);
+  measuring.user = user_of(options.user_word).value_or(0);
   auto engine = make_engine(measuring, *data, input->source->info(), watch_all);
   if (!engine) return engine.error();
   SessionOutcome outcome;

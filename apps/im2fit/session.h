@@ -34,6 +34,7 @@ Result<WantedFiles> wanted_files(const std::string& words);
 struct SessionOptions : MeasuringOptions {
   KnownOptions known_words;  // `known`, as the command line has it
   InputOptions input;
+  std::string user_word = "nearest";  // `user`, as the command line has it
   std::string out;     // "": no files
   std::string only;    // words of wanted_files(); "": all files
   std::string motion;  // file of the joints over time; "": none

@@ -111,6 +111,13 @@ Reader texts(std::vector<std::string>& field) {
   };
 }
 
+Reader region(std::string& field) {
+  return [&field](const YAML::Node& node) {
+    text(field)(node);
+    if (!field.empty() && !apps::region_of(field)) refuse(node, apps::region_fault(field));
+  };
+}
+
 void read_map(const YAML::Node& map, const std::string& prefix, const Readers& readers) {
   if (!map.IsMap()) refuse(map, std::string(prefix.empty() ? "the file " : "") + "holds no `key: value` lines");
   std::set<std::string> seen;
@@ -148,6 +155,7 @@ Config interpret(const YAML::Node& root) {
                            {"clothing", one_of(m.clothing, {kClothingGivenNames.begin(), kClothingGivenNames.end()})},
                            {"sensor", one_of(m.sensor, {kSensorKindNames.begin(), kSensorKindNames.end()})},
                            {"threads", whole(m.threads, 1, 2)},
+                           {"region", region(m.region)},
                            {"size_charts", texts(m.size_charts)},
                            {"calibration_site", text(m.site)}};
   const Readers socket = {{"path", text(config.socket_path, false)},

@@ -33,6 +33,13 @@ constexpr float kHeadTallMinMm = 50.0F;    // of a head seen, least; [near]
 constexpr float kHeadRimMinMm = 20.0F;     // its rim behind its middle, least; [near]
 constexpr float kShoulderReachMm = 45.0F;  // beyond the head on both sides, least; [near]
 
+// A person joined with other things, or not whole.
+constexpr float kPersonAreaM2 = 1.4F;  // seen of a person, most; [rooms]
+constexpr float kLegsHalfMm = 200.0F;  // either side of the head's middle: the legs; [rooms]
+constexpr float kAnkleMm = 150.0F;     // above the floor, where they end; [rooms]
+constexpr int kLegCellsMin = 200;      // least, to judge; [rooms]
+constexpr int kLegsShare = 3;          // one in so many of them without depth, least: legs fill half; [rooms]
+
 }  // namespace im2fit::segment::advice_limits
 
 namespace im2fit::segment {
@@ -192,6 +199,27 @@ bool feet_hidden(const Grid& grid, const Person& person, DepthView depth, MaskVi
   return person.floor.known || highest - lowest < kWholeBodyMinMm;
 }
 
+// A head over a trunk that ends in the air, where between it and the floor most of the trunk's columns give no depth
+// for a stretch: legs in dark cloth. Below a coat on a hook or a picture is the wall, and before legs behind a table
+// is the table.
+bool depth_ends(const Grid& grid, const FloorPlane& floor, const Blobs& found, const Head& head) {
+  const Blob& blob = found.blobs[at(head.blob)];
+  if (!floor.known || blob.height_min_mm < kFloatingMm || blob.r_max >= grid.height - 1) return false;
+  const float z_mm = blob.centroid_mm.z;
+  const int half = static_cast<int>(kLegsHalfMm / cell_mm(grid, z_mm));
+  const int c_first = std::max(0, head.c - half), c_last = std::min(grid.width - 1, head.c + half);
+  int lost = 0;
+  int count = 0;
+  for (int r = blob.r_max + 1; r < grid.height; ++r) {
+    // What stands at the person's distance in this row.
+    const float height_mm = (floor.up.y * grid.ray_y[at(r)] + floor.up.z) * z_mm + floor.camera_height_mm;
+    if (height_mm < kAnkleMm) break;
+    for (int c = c_first; c <= c_last; ++c) lost += grid.depth[at(grid.index(c, r))] == 0 ? 1 : 0;
+    count += c_last - c_first + 1;
+  }
+  return count >= kLegCellsMin && lost * kLegsShare >= count;
+}
+
 }  // namespace
 
 void mark_dead_borders(const Grid& grid, int image_width, int image_height, Person& person) {
@@ -232,16 +260,26 @@ GuidanceSet advise(const Grid& grid, const Person& person, DepthView depth, Mask
   if (person.cut_top) out |= bit(Guidance::head_cut);
   if (person.cut_left || person.cut_right) out |= bit(Guidance::side_cut);
   if (disturbed) out |= bit(Guidance::several_people);
+  const float pixel_m2 =
+      person.centroid_mm.z * person.centroid_mm.z * 1e-6F / (grid.intrinsics.fx * grid.intrinsics.fy);
+  if (static_cast<float>(person.pixel_count) * pixel_m2 > kPersonAreaM2) out |= bit(Guidance::step_to_the_middle);
   if (hole_share(grid, depth, chosen) > kHoleShareMax) out |= bit(Guidance::too_noisy);
   if (person.cut_bottom || feet_hidden(grid, person, depth, mask)) out |= bit(Guidance::feet_cut);
   return out;
 }
 
-GuidanceSet advise_none_found(const Grid& grid, std::span<const Blob> blobs) {
-  for (const Blob& blob : blobs) {
+GuidanceSet advise_none_found(const Grid& grid, const FloorPlane& floor, const Blobs& found) {
+  for (const Blob& blob : found.list()) {
     const bool large = blob.cell_count * kNearShare > static_cast<int>(grid.depth.size());
     if (large && blob.centroid_mm.z < kNearMm && (round_body(grid, blob) || head_over_shoulders(grid, blob)))
       return bit(Guidance::too_near);
+  }
+  for (int h = 0; h < found.head_count; ++h) {
+    const Head& head = found.heads[at(h)];
+    if (!head.seen || head.vague || head.top_mm.z > kTooFarMm) continue;
+    const Blob& blob = found.blobs[at(head.blob)];
+    if (blob.area_m2 >= kPersonAreaMaxM2) return bit(Guidance::step_to_the_middle);
+    if (depth_ends(grid, floor, found, head)) return bit(Guidance::depth_missing);
   }
   return bit(Guidance::no_person);
 }

@@ -16,7 +16,8 @@ void mark_dead_borders(const Grid& grid, int image_width, int image_height, Pers
 // Guidance for a person found, with mask `mask` and cells `chosen`; `disturbed`: by another person.
 GuidanceSet advise(const Grid& grid, const Person& person, DepthView depth, MaskView mask,
                    std::span<const std::uint8_t> chosen, bool disturbed);
-// Guidance for a frame without a person: no_person, or only too_near for a person too near to be found.
-GuidanceSet advise_none_found(const Grid& grid, std::span<const Blob> blobs);
+// Guidance for a frame without a person: no_person, or only why a person who is there is not found: too_near,
+// step_to_the_middle, depth_missing.
+GuidanceSet advise_none_found(const Grid& grid, const FloorPlane& floor, const Blobs& found);
 
 }  // namespace im2fit::segment

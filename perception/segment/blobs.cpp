@@ -12,6 +12,7 @@ constexpr float kFloorBandMm = 35.0F;
 constexpr float kFloorBandMaxMm = 70.0F;
 constexpr std::uint16_t kFarthestMm = 6500;
 constexpr int kSpeckCells = 12;
+constexpr float kHigherThanPeopleMm = 2000.0F;
 
 // Depth noise lifts floor cells by noise x slope of the ray; the band widens with it, up to a shoe's height.
 float floor_band_mm(const FloorPlane& floor, float z) {
@@ -64,6 +65,9 @@ Blobs::Blobs(const Grid& grid)
     : labels(grid.depth.size()),
       open(grid.depth.size()),
       part(grid.depth.size()),
+      labels_before(grid.depth.size()),
+      blobs_before(at(kBlobCountMax)),
+      heads_before(at(kHeadCountMax)),
       wall(grid),
       components(grid.width, grid.height),
       top(at(grid.width)),
@@ -146,12 +150,9 @@ void describe_blobs(const Grid& grid, Blobs& found) {
   }
 }
 
-void find_blobs(const Grid& grid, const FloorPlane& floor, std::span<const std::uint8_t> background,
-                std::span<const Vec3f> expected, Blobs& found) {
-  open_cells(grid, floor, background, found);
-  found.wall.follow(grid, floor, found.open);
-  label_cells(grid, found);
-  if (close_further_walls(grid, floor, found)) label_cells(grid, found);
+namespace {
+
+void find_people(const Grid& grid, const FloorPlane& floor, std::span<const Vec3f> expected, Blobs& found) {
   found.head_count = 0;
   for (int b = 0; b < found.blob_count; ++b) {
     const Blob& blob = found.blobs[at(b)];
@@ -163,6 +164,46 @@ void find_blobs(const Grid& grid, const FloorPlane& floor, std::span<const std::
   detach_furniture(grid, floor, found);
   join_split_bodies(grid, floor, found);
   judge_blobs(grid, floor, found);
+}
+
+// Nobody, or someone with what reaches higher than people: a person may be one surface with a wall.
+bool joined_with_wall(const Blobs& found) {
+  const auto list = found.list();
+  const bool none = std::none_of(list.begin(), list.end(), [](const Blob& blob) { return blob.person; });
+  return none || std::any_of(list.begin(), list.end(), [](const Blob& blob) {
+           return blob.person && (blob.height_max_mm > kHigherThanPeopleMm || blob.r_min == 0);
+         });
+}
+
+// A cabin's walls are too small for a room's. Without them who touches one stands alone. Furniture without the wall
+// behind it resembles people, so only a head counts; else all stays as it was.
+void find_people_in_cabin(const Grid& grid, const FloorPlane& floor, std::span<const Vec3f> expected, Blobs& found) {
+  if (!floor.known || !found.wall.run_cabin(grid, floor, found.open)) return;
+  const int blob_count = found.blob_count, head_count = found.head_count;
+  std::copy(found.labels.begin(), found.labels.end(), found.labels_before.begin());
+  std::copy_n(found.blobs.begin(), blob_count, found.blobs_before.begin());
+  std::copy_n(found.heads.begin(), head_count, found.heads_before.begin());
+  label_cells(grid, found);
+  find_people(grid, floor, expected, found);
+  const auto list = found.list();
+  if (std::any_of(list.begin(), list.end(), [](const Blob& blob) { return blob.person && blob.has_head; })) return;
+  found.blob_count = blob_count;
+  found.head_count = head_count;
+  std::copy(found.labels_before.begin(), found.labels_before.end(), found.labels.begin());
+  std::copy_n(found.blobs_before.begin(), blob_count, found.blobs.begin());
+  std::copy_n(found.heads_before.begin(), head_count, found.heads.begin());
+}
+
+}  // namespace
+
+void find_blobs(const Grid& grid, const FloorPlane& floor, std::span<const std::uint8_t> background,
+                std::span<const Vec3f> expected, Blobs& found) {
+  open_cells(grid, floor, background, found);
+  found.wall.follow(grid, floor, found.open);
+  label_cells(grid, found);
+  if (close_further_walls(grid, floor, found)) label_cells(grid, found);
+  find_people(grid, floor, expected, found);
+  if (joined_with_wall(found)) find_people_in_cabin(grid, floor, expected, found);
 }
 
 }  // namespace im2fit::segment

@@ -62,6 +62,10 @@ struct Blobs {
   // Used by the steps alone.
   std::vector<std::uint8_t> open;  // cells that may belong to a thing
   std::vector<std::uint8_t> part;  // of them, those of one blob
+  // Of the frame as it was before its smaller walls were removed.
+  std::vector<std::uint16_t> labels_before;
+  std::vector<Blob> blobs_before;
+  std::vector<Head> heads_before;
   WallRemover wall;
   Components components;
   std::vector<std::int16_t> top;  // per column, for the blob in hand

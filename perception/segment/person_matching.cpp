@@ -293,6 +293,7 @@ void PersonTracker::follow(const Grid& grid, const Blobs& found, const FloorPlan
   continue_tracks(found, seconds);
   begin_tracks(found);
   list_users(grid, found);
+  leave_out(grid, found, floor, seconds);
   list_keepouts(found);
   list_expected(floor, seconds);
   first_ = false;

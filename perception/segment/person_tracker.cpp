@@ -135,6 +135,7 @@ int PersonTracker::choose() const {
     const User& user = users_[i];
     const Track& track = track_of(i);
     if (selected_ != 0 && user.id != selected_) continue;
+    if (user.left_out != LeftOut::no) continue;
     const bool candidate = is_candidate(track);
     if (!user.confirmed && !candidate) continue;
     const Vec3f c = user.centroid_mm;
@@ -165,6 +166,8 @@ bool PersonTracker::disturbed(int user) const {
   for (std::size_t i = 0; i < users().size(); ++i) {
     const Track& other = track_of(i);
     if (i == at(user) || users_[i].centroid_mm.z >= limit || other.rejected) continue;
+    const bool told_apart = requested_ != 0 || users_[i].left_out != LeftOut::no;
+    if (told_apart && !segment::hides(users_[i], users_[at(user)])) continue;
     if (users_[i].confirmed || (is_candidate(other) && other.shape_odds > kDisturbingOdds)) return true;
   }
   return false;

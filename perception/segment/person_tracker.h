@@ -11,10 +11,15 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <span>
+#include <string_view>
 
 #include "core/camera.h"
 #include "core/floor_plane.h"
+#include "core/floor_region.h"
+#include "perception/segment/still_watch.h"
 
 namespace im2fit {
 
@@ -30,6 +35,11 @@ struct Keepout {
 };
 }  // namespace segment
 
+// Why one of the people of a frame is not measured. outside: of the region. still: a figure that stands as still as
+// furniture while another one sways, such as a mannequin.
+enum class LeftOut : std::uint8_t { no, outside, still };
+inline constexpr std::array<std::string_view, 3> kLeftOutNames = {"no", "outside", "still"};
+
 // One of the people of a frame, as the coarse picture shows them (cells of 4 px at 640x480).
 struct User {
   int id = 0;  // >= 1; stays while the person is seen, or hidden for 5 s at most; never given to another person
@@ -40,8 +50,12 @@ struct User {
   bool has_head = false;    // a head is seen in this frame
   float visible_share = 1;  // of the surface seen of this person at best, 0..1: less behind others
   bool confirmed = false;   // a person in three frames or in the first, and in a fifth of those since
+  LeftOut left_out = LeftOut::no;
 };
 inline constexpr int kUserCountMax = 8;
+namespace segment {
+bool hides(const User& other, const User& user);  // the other stands before a part of the user
+}
 
 // Shorter flicker of the mask does not count as a loss: half a second, in frames at 30 Hz. The session uses the same.
 inline constexpr int kAbsentPeriodsMax = 15;
@@ -67,9 +81,11 @@ class PersonTracker {
   // Index of the user to look at, -1: none. The one of the last frame keeps an advantage, so that the choice does not
   // flicker.
   int choose() const;
-  void look_at(int user);          // that index, in this frame; -1: none
-  int people_count() const;        // confirmed
-  bool disturbed(int user) const;  // by another one, near enough to touch, hide or be taken for that index
+  void look_at(int user);    // that index, in this frame; -1: none
+  int people_count() const;  // confirmed
+  // By another one, near enough to touch, hide or be taken for that index. Once it is said who is measured (select(),
+  // or others are left out) those others disturb only by hiding the user.
+  bool disturbed(int user) const;
   // Crowns of the people seen within the last second, where they should be in the next frame.
   std::span<const Vec3f> expected() const { return {expected_.data(), static_cast<std::size_t>(expected_count_)}; }
   // Places of people, now or when last seen, and of objects of a person's size; valid until the next follow().
@@ -97,6 +113,8 @@ class PersonTracker {
   void select(int id);
   int requested() const { return requested_; }  // by select()
   int selected() const { return selected_; }    // by select() or hold(), 0: anyone
+  // From the next frame on only people whose feet are within are chosen; none: everywhere. Stays after reset().
+  void set_region(const std::optional<FloorRegion>& region) { region_ = region; }
   // After each frame of a session: `shown` is the id of the user seen, 0: none; `ready`: that user stands correctly;
   // `periods` of 1/30 s passed since the frame before. From the first `ready` frame on only that user is selected,
   // until absent for more than kAbsentPeriodsMax: then the session is LOST, and the next user may begin one.
@@ -132,6 +150,10 @@ class PersonTracker {
     float joint_odds_sum = 0;  // of the latest kLongFrames of them
     bool accepted = false;
     bool rejected = false;
+    // Whether it is left out.
+    segment::StillWatch watch;
+    LeftOut left_out = LeftOut::no;
+    bool judged_place = false;
   };
   // users_[i] is the public part of detections_[i].
   struct BlobDetection {
@@ -161,6 +183,13 @@ class PersonTracker {
   void list_keepouts(const segment::Blobs& found);
   void list_expected(const FloorPlane& floor, float seconds);
 
+  // left_out.cpp
+  void leave_out(const segment::Grid& grid, const segment::Blobs& found, const FloorPlane& floor, float seconds);
+  bool outside(const Track& track, const segment::Grid& grid, const segment::Blobs& found, const FloorPlane& floor,
+               int blob) const;
+  void watch(const segment::Grid& grid, const segment::Blobs& found, int user, float seconds);
+  bool sways(int user) const;
+
   // person_tracker.cpp
   static void begin_evidence(Track& track, const segment::Blob& blob, bool first_frame);
   static void add_evidence(Track& track, const segment::Blob& blob);
@@ -188,6 +217,7 @@ class PersonTracker {
   int looked_at_ = 0;  // id, in the last frame; 0: none
   int requested_ = 0;
   int selected_ = 0;
+  std::optional<FloorRegion> region_;
   int absent_periods_ = 0;  // in a row, of who is held
 };
 

@@ -23,7 +23,9 @@ struct Person {
   Vec3f centroid_mm;
   bool cut_top = false, cut_bottom = false, cut_left = false, cut_right = false;  // the mask touches that border
   FloorPlane floor;
-  GuidanceSet guidance = 0;  // no_person, too_near, too_far, feet_cut, head_cut, side_cut, several_people, too_noisy
+  // no_person, too_near, too_far, feet_cut, head_cut, side_cut, several_people, too_noisy, step_to_the_middle,
+  // depth_missing
+  GuidanceSet guidance = 0;
 };
 
 class Segmenter {

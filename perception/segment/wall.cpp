@@ -11,13 +11,19 @@
 //   [rooms] chosen on synthetic rooms, no measurement on record
 namespace im2fit::segment::wall_limits {
 
-constexpr int kOpenCountMin = 400;      // cells not yet anything's, least, to search for a wall; [rooms]
-constexpr int kHypothesisCount = 60;    // planes tried; [rooms]
-constexpr int kScoredCount = 400;       // cells that vote on each; [rooms]
-constexpr float kWidthMinMm = 1300.0F;  // along the floor, least; [rooms]
-constexpr float kAreaMinM2 = 1.2F;      // least: more than a person with both arms out; [rooms]
-constexpr float kOnMm = 20.0F;          // off the wall, with a disparity step: still of it; [rooms]
-constexpr float kBehindMm = 45.0F;      // before the wall, with two disparity steps: goes with it; [rooms]
+constexpr int kOpenCountMin = 400;          // cells not yet anything's, least, to search for a wall; [rooms]
+constexpr int kHypothesisCount = 60;        // planes tried; [rooms]
+constexpr int kScoredCount = 400;           // cells that vote on each; [rooms]
+constexpr float kWidthMinMm = 1300.0F;      // along the floor, least; [rooms]
+constexpr float kAreaMinM2 = 1.2F;          // least: more than a person with both arms out; [rooms]
+constexpr int kCabinWalls = 3;              // left, behind and right; [rooms]
+constexpr float kCabinWidthMinMm = 600.0F;  // of each along the floor, least; [rooms]
+constexpr float kCabinAreaMinM2 = 0.35F;    // least; [rooms]
+constexpr float kCabinHighMm = 2000.0F;     // above the floor: higher than people; [rooms]
+constexpr int kCabinTopRows = 2;            // of the picture; [rooms]
+constexpr int kCabinHighCells = 20;         // of each there or at the picture's top, least; [rooms]
+constexpr float kOnMm = 20.0F;              // off the wall, with a disparity step: still of it; [rooms]
+constexpr float kBehindMm = 45.0F;          // before the wall, with two disparity steps: goes with it; [rooms]
 // A wall found before is looked for anew when one in so many of its votes is lost. Noise of 400 votes is 2.5 % at
 // most (of a wall that has a half of them; binomial); [rooms]
 constexpr int kFollowParts = 10;
@@ -149,8 +155,8 @@ void WallRemover::collect_on(const Grid& grid, std::span<const std::uint8_t> ope
   row_on_.count = count;
 }
 
-// Fits the plane to all cells on it; false when they are too few or too small for a wall.
-bool WallRemover::refine(const Grid& grid, std::span<const std::uint8_t> open, Plane& plane) {
+// Fits the plane to all cells on it; false when they are too few.
+bool WallRemover::refine(const Grid& grid, std::span<const std::uint8_t> open, Plane& plane, Extent& extent) {
   float x_min = 1e9F;
   float x_max = -1e9F;
   float z_min = 1e9F;
@@ -179,12 +185,50 @@ bool WallRemover::refine(const Grid& grid, std::span<const std::uint8_t> open, P
   }
   const float across = x_max - x_min;
   const float along = z_max - z_min;
-  return across * across + along * along >= kWidthMinMm * kWidthMinMm && area_m2 >= kAreaMinM2;
+  extent.width2_mm2 = across * across + along * along;
+  extent.area_m2 = area_m2;
+  return true;
 }
 
 bool WallRemover::find(const Grid& grid, Vec3f up, std::span<const std::uint8_t> open, Plane& plane) {
   collect_voters(grid, open);
-  return search(grid, up, open, plane) && refine(grid, open, plane);
+  Extent extent;
+  return search(grid, up, open, plane) && refine(grid, open, plane, extent) &&
+         extent.width2_mm2 >= kWidthMinMm * kWidthMinMm && extent.area_m2 >= kAreaMinM2;
+}
+
+// Cells on the plane that are higher than people, or where the picture ends above.
+int WallRemover::count_high(const Grid& grid, const Plane& plane, std::span<const std::uint8_t> open) {
+  int count = 0;
+  for (int r = 0; r < grid.height; ++r) {
+    const PlaneRow wall(plane, grid.ray_y[at(r)]);
+    for (int c = 0; c < grid.width; ++c) {
+      const auto i = at(grid.index(c, r));
+      if (open[i] == 0 || (r >= kCabinTopRows && grid.height_mm[i] < kCabinHighMm)) continue;
+      const float z = static_cast<float>(grid.depth[i]);
+      const float nearness = wall.nearness(grid.ray_x[at(c)]);
+      const bool on = nearness > kNearnessMin && std::fabs(z - 1.0F / nearness) <= kOnMm + quantum_mm(z);
+      count += on ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+bool WallRemover::run_cabin(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> open) {
+  if (!floor.known) return false;
+  int count = 0;
+  for (; count < kCabinWalls; ++count) {
+    if (count_open(open) < kOpenCountMin) break;
+    collect_voters(grid, open);
+    Plane plane{};
+    Extent extent;
+    if (!search(grid, floor.up, open, plane) || !refine(grid, open, plane, extent)) break;
+    if (extent.width2_mm2 < kCabinWidthMinMm * kCabinWidthMinMm || extent.area_m2 < kCabinAreaMinM2 ||
+        count_high(grid, plane, open) < kCabinHighCells)
+      break;
+    close(grid, plane, open);
+  }
+  return count > 0;
 }
 
 void WallRemover::close(const Grid& grid, const Plane& plane, std::span<std::uint8_t> open) {

@@ -36,6 +36,8 @@ class WallRemover {
   explicit WallRemover(const Grid& grid);
   // Closes the cells (`open` 1 to 0) of a wall and of everything behind it; false: no wall was found.
   bool run(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> open);
+  // The same for the walls of a cabin, each smaller than a room's, which reach higher than people; three at most.
+  bool run_cabin(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> open);
   // The same for a room's main wall, frame after frame: the plane of the frame before is kept as long as the cells
   // that vote on walls confirm it. Depends on the frames alone.
   bool follow(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> open);
@@ -50,12 +52,18 @@ class WallRemover {
   };
 
   Votes vote(const Plane& plane) const;
+  // Of the cells on a plane.
+  struct Extent {
+    float width2_mm2 = 0;  // squared, along the floor
+    float area_m2 = 0;
+  };
+  static int count_high(const Grid& grid, const Plane& plane, std::span<const std::uint8_t> open);
   bool find(const Grid& grid, Vec3f up, std::span<const std::uint8_t> open, Plane& plane);
   static void close(const Grid& grid, const Plane& plane, std::span<std::uint8_t> open);
   void collect_voters(const Grid& grid, std::span<const std::uint8_t> open);
   bool search(const Grid& grid, Vec3f up, std::span<const std::uint8_t> open, Plane& best);
   void collect_on(const Grid& grid, std::span<const std::uint8_t> open, const Plane& plane, int row);
-  bool refine(const Grid& grid, std::span<const std::uint8_t> open, Plane& plane);
+  bool refine(const Grid& grid, std::span<const std::uint8_t> open, Plane& plane, Extent& extent);
 
   std::vector<float> ray_x_, ray_y_, z_mm_, near_mm_, far_mm_;  // of the open cells that vote
   int voter_count_ = 0;

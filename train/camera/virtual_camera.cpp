@@ -133,7 +133,8 @@ const VirtualScene::Impl::Known& VirtualScene::Impl::known_of(const Bystander& o
 void VirtualScene::Impl::stage_others() {
   for (std::size_t who = 1; who < people_count; ++who) {
     const Bystander& other = scene.others[who - 1];
-    PersonPlan plan{other.pose, other.clothing, other.hair, 0, {}, false, scene.sway, other.path, {}, {}, {}};
+    const bool sways = scene.sway && !other.still;
+    PersonPlan plan{other.pose, other.clothing, other.hair, 0, {}, false, sways, other.path, {}, {}, {}};
     if (other.yaw_deg <= kDrawnDeg) plan.yaw_deg = other.yaw_deg;
     const std::uint64_t own_seed = Rng::for_item(seed, kOthersStream, who).next();
     const Known& is = known_of(other);

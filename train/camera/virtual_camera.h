@@ -45,6 +45,7 @@ struct Bystander {
   bool hair = false;
   float yaw_deg = 1e9F;  // 0 faces the camera; 1e9: along the path while walking, else drawn by pose class
   FloorPath path;        // {x, z} alone: stands there
+  bool still = false;    // without sway: a mannequin
 };
 inline constexpr std::size_t kBystandersMax = 30;
 

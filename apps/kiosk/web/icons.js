@@ -14,6 +14,8 @@ const kIcons = {
   WALK_ROUND: '<g transform="translate(4.8 4) scale(.6)">' + kPerson + '</g><path d="M12 2.2A10 10 0 1 0 20.5 7M20.5 7l-4.2-.6M20.5 7l.8-4"/>',
   TURN_SLOWER: '<g transform="translate(4.8 4) scale(.6)">' + kPerson + '</g><path d="M12 2.2A10 10 0 1 0 20.5 7" stroke-dasharray="2.5 2.5"/>',
   SEVERAL_PEOPLE: kSmallPerson + '<path d="M13 6l8 12M21 6l-8 12"/>',
+  STEP_TO_THE_MIDDLE: '<path d="M2 2v20"/><path d="M5 12h5M7.5 9.5L10 12l-2.5 2.5"/><g transform="translate(4.5 0)">' + kPerson + '</g>',
+  DEPTH_MISSING: '<circle cx="12" cy="4" r="2.2"/><path d="M12 7v6M12 8.5l-5 4.5M12 8.5l5 4.5"/><path d="M12 15l-3 7M12 15l3 7" stroke-dasharray="1.5 2"/>',
   TOO_NEAR: kSmallPerson + '<path d="M12 12h10M18.5 8.5L22 12l-3.5 3.5"/>',
   TOO_FAR: kSmallPerson + '<path d="M22 12H12M15.5 8.5L12 12l3.5 3.5"/>',
   HEAD_CUT: '<path d="M3 4h18"/><path d="M12 4v9M12 13l-3 8M12 13l3 8M12 6l-5 5M12 6l5 5"/>',

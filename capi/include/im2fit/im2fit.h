@@ -300,6 +300,12 @@ IM2FIT_API int im2fit_next(im2fit_handle* handle);
  * Errors: INVALID_ARGUMENT: the id is negative. */
 IM2FIT_API int im2fit_select_user(im2fit_handle* handle, int32_t user_id);
 
+/* From the next frame on only people whose feet are within this rectangle on the floor are measured: x to the right as
+ * the camera sees it, z away from the camera, from the point under the camera. Four zeros: everywhere, as by default.
+ * The session goes on; a person of it who is outside has left. Waits for the frames in the pipeline.
+ * Errors: INVALID_ARGUMENT: a number is not finite or above 20000, or x0 < x1 and z0 < z1 do not hold. */
+IM2FIT_API int im2fit_set_region(im2fit_handle* handle, float x0_mm, float z0_mm, float x1_mm, float z1_mm);
+
 /* What the person reports of themselves: evidence beside the frames. Call im2fit_known_init, then set what is known.
  * A known weight makes girths more accurate. */
 typedef enum im2fit_sex { IM2FIT_SEX_UNKNOWN = 0, IM2FIT_SEX_WOMAN = 1, IM2FIT_SEX_MAN = 2 } im2fit_sex;
@@ -449,9 +455,12 @@ typedef enum im2fit_guidance {
   IM2FIT_GUIDANCE_CLOTHED = 1 << 14,          /* measured, but dressed although settings.clothing is BARE */
   IM2FIT_GUIDANCE_TURN_ON = 1 << 15,     /* turn on the spot, slowly, all round. The person cannot see a screen */
   IM2FIT_GUIDANCE_TURN_SLOWER = 1 << 16, /* the same, and slower */
-  IM2FIT_GUIDANCE_WALK_ROUND = 1 << 17   /* to who holds the camera: walk on round the person */
+  IM2FIT_GUIDANCE_WALK_ROUND = 1 << 17,  /* to who holds the camera: walk on round the person */
+  /* One surface with a wall or a shelf, which cannot be told apart: step away from it. */
+  IM2FIT_GUIDANCE_STEP_TO_THE_MIDDLE = 1 << 23,
+  IM2FIT_GUIDANCE_DEPTH_MISSING = 1 << 24 /* a part of the body gives no depth: dark or shiny clothes */
 } im2fit_guidance;
-#define IM2FIT_GUIDANCE_COUNT 18
+#define IM2FIT_GUIDANCE_COUNT 25
 
 /* The arms, the person's own left and right: bits. */
 typedef enum im2fit_arm { IM2FIT_ARM_LEFT = 1 << 0, IM2FIT_ARM_RIGHT = 1 << 1 } im2fit_arm;
@@ -556,6 +565,10 @@ typedef struct im2fit_result {
   /* settings.frames_wanted, for a progress bar: frames_used of it; from TURNING on with TURN_BACK frames_back of it.
    * A turn all round has no number of frames: show turned_deg. */
   int32_t frames_wanted;
+  /* Of `users`, bit 0 the first: who is not measured. Outside of im2fit_set_region; a figure that stands as still as
+   * furniture while another person sways, such as a mannequin. im2fit_select_user measures the latter all the same. */
+  uint32_t users_outside;
+  uint32_t users_still;
 } im2fit_result;
 
 /* Copies the latest result, consistent in itself. Never waits for the engine. Any thread. `struct_size` is sizeof
@@ -781,7 +794,7 @@ IM2FIT_API int im2fit_dressed_avatar(im2fit_handle* handle, const im2fit_worn* w
 /* Names as in result.json. NULL for a number out of range. They need no handle: any thread, at any time. */
 
 IM2FIT_API const char* im2fit_state_name(int state);    /* "TRACKING" */
-IM2FIT_API const char* im2fit_guidance_name(int bit);   /* 0..17: "TOO_NEAR" is bit 1 */
+IM2FIT_API const char* im2fit_guidance_name(int bit);   /* 0..24: "TOO_NEAR" is bit 1. NULL: no code */
 IM2FIT_API const char* im2fit_measurement_name(int id); /* "chest_girth" */
 IM2FIT_API const char* im2fit_measurement_unit(int id); /* "mm" or "kg" */
 IM2FIT_API const char* im2fit_joint_name(int joint);    /* "HE" */

@@ -451,6 +451,14 @@ static jint native_set_known(JNIEnv* env, jclass type, jlong handle, jfloatArray
   return im2fit_set_known(handle_of(handle), &known);
 }
 
+static jint native_set_region(JNIEnv* env, jclass type, jlong handle, jfloatArray region) {
+  (void)type;
+  jfloat mm[4];
+  (*env)->GetFloatArrayRegion(env, region, 0, 4, mm);
+  if ((*env)->ExceptionCheck(env)) return IM2FIT_ERROR_INVALID_ARGUMENT;
+  return im2fit_set_region(handle_of(handle), mm[0], mm[1], mm[2], mm[3]);
+}
+
 enum { BYTES_JSON = -1 };  // else IM2FIT_AVATAR_...
 
 // The result as JSON, or an avatar, into made[0].
@@ -507,6 +515,7 @@ JNIEXPORT jint JNICALL JNI_OnLoad(JavaVM* machine, void* reserved) {
       {"mesh", "(J[F[I[I)I", (void*)native_mesh},
       {"residual", "(J[F)I", (void*)native_residual},
       {"setKnown", "(J[FI)I", (void*)native_set_known},
+      {"setRegion", "(J[F)I", (void*)native_set_region},
       {"bytes", "(JI[[B)I", (void*)native_bytes},
       {"garmentCount", "()I", (void*)native_garment_count},
       {"garmentWords", "(I[B[[B)V", (void*)native_garment_words},

@@ -404,6 +404,11 @@ class Session:
         self._check(_lib().im2fit_select_user(self._open_handle(), user_id))
         self._answer += 1
 
+    def set_region(self, x0_mm: float = 0, z0_mm: float = 0, x1_mm: float = 0, z1_mm: float = 0) -> None:
+        """From the next frame on measures only people whose feet are within this rectangle on the floor: x to the camera's
+        right, z away from it, from the point under the camera. No numbers: everywhere."""
+        self._check(_lib().im2fit_set_region(self._open_handle(), x0_mm, z0_mm, x1_mm, z1_mm))
+
     def finish(self) -> Person:
         """Ends the stream and measures with the accepted frames. Returns a Person, measured or not. Call it again after
         set_known, which changes the measurements."""

@@ -67,7 +67,8 @@ class Result(c.Structure):
         ("users", User * USERS), ("front_measured", c.c_int32), ("views", c.c_int32), ("frames_back", c.c_uint32),
         ("age", Estimate), ("age_bands", c.c_float * AGE_BANDS), ("arms_close", c.c_uint32),
         ("clothing_probability", c.c_float), ("clothing_ease_mm", c.c_float), ("known_used", c.c_uint32),
-        ("known_doubted", c.c_uint32), ("turned_deg", c.c_float), ("frames_wanted", c.c_int32)]
+        ("known_doubted", c.c_uint32), ("turned_deg", c.c_float), ("frames_wanted", c.c_int32),
+        ("users_outside", c.c_uint32), ("users_still", c.c_uint32)]
 
 
 class MaskInfo(c.Structure):
@@ -158,6 +159,7 @@ def load(path: str | None = None) -> c.CDLL:
             ("rig_node_name", c.c_char_p, [c.c_int]), ("rig_node_parent", c.c_int, [c.c_int]),
             ("attach", c.c_int, [pointer, c.c_char_p]), ("pump", c.c_int, [pointer, c.c_int32]), ("detach", c.c_int, [pointer]),
             ("select_user", c.c_int, [pointer, c.c_int32]),
+            ("set_region", c.c_int, [pointer, c.c_float, c.c_float, c.c_float, c.c_float]),
             ("sizes", c.c_int, [pointer, c.POINTER(Size), c.c_size_t, c.POINTER(c.c_size_t), c.POINTER(c.c_size_t)]),
             ("tape", c.c_int, [pointer, c.POINTER(c.c_char_p), c.c_size_t, c.POINTER(TapeValue), c.c_size_t]),
             ("tape_count", c.c_size_t, []), ("tape_id", c.c_char_p, [c.c_size_t]), ("tape_unit", c.c_char_p, [c.c_size_t]),

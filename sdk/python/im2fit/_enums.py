@@ -80,6 +80,8 @@ class GuidanceCode(_Number):
     TURN_ON = 1 << 15
     TURN_SLOWER = 1 << 16
     WALK_ROUND = 1 << 17
+    STEP_TO_THE_MIDDLE = 1 << 23
+    DEPTH_MISSING = 1 << 24
 
 
 class View(_Number):

@@ -45,6 +45,7 @@ std::size_t characters_in(const std::string& text) {
 // Every code of the engine, the arms it names, and the page's own.
 std::set<std::string> codes() {
   std::set<std::string> all(kGuidanceNames.begin(), kGuidanceNames.end());
+  all.erase("");  // bits without a code
   for (const char* code : {"WELCOME", "FACTS", "ARMS_CLOSE_LEFT", "ARMS_CLOSE_RIGHT", "HOLD", "WORKING", "DONE",
                            "OVER", "CAMERA_LOST", "NO_CAMERA", "MODELS_MISSING", "SERVER_GONE", "TOO_MANY_SCREENS"})
     all.insert(code);
@@ -212,7 +213,7 @@ TEST(Texts, EveryCodeHasAPictureAndATone) {
     const std::size_t at = line.find(": [[");
     EXPECT_TRUE(at == std::string::npos || tones.insert(line.substr(at)).second) << "the same tones: " << line;
   }
-  EXPECT_GE(tones.size(), kGuidanceCount);
+  EXPECT_GE(tones.size(), std::set(kGuidanceNames.begin(), kGuidanceNames.end()).size());
 }
 
 }  // namespace

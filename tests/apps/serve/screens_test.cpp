@@ -89,7 +89,7 @@ const apps::Json kDoubted = {{"given",
                                {"weight", {{"value", 130}, {"sd", 3}, {"unit", "kg"}}}}},
                              {"used", {"stature"}},
                              {"doubted", {"weight"}}};
-constexpr int kStatesLooked = 35;
+constexpr int kStatesLooked = 37;
 constexpr std::pair<int, int> kScreens[] = {{390, 844}, {800, 1280}, {1280, 800}, {1920, 1080}};
 
 class Screens : public testing::Test {
@@ -150,6 +150,7 @@ void Screens::through_all_states(const std::function<void(const std::string& cod
   browser_->run("at('facts-skip').click()");
   ASSERT_TRUE(browser_->wait_for("return visit.state === 'MEASURING'"));
   for (const std::string_view code : kGuidanceNames) {
+    if (code.empty()) continue;  // a bit without a code
     page->state(code == "TURN_ROUND" ? "TURNING" : "TRACKING", {std::string(code)});
     at(std::string(code));
   }
@@ -369,6 +370,7 @@ TEST_F(Screens, EveryGuidanceIsHeard) {
   ASSERT_NO_FATAL_FAILURE(open(page));
   ASSERT_NO_FATAL_FAILURE(agree());
   for (const std::string_view code : kGuidanceNames) {
+    if (code.empty()) continue;  // a bit without a code
     page.state("TRACKING", {std::string(code)});
     ASSERT_TRUE(shows(std::string(code)));
     EXPECT_EQ(browser_->run("return sounds.played[sounds.played.length - 1]"), code);

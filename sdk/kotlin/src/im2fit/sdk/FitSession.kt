@@ -137,6 +137,14 @@ class FitSession @JvmOverloads constructor(
     fun selectUser(userId: Int) = change { Native.act(it, Native.DO_SELECT_USER, userId) }
 
     /**
+     * From now on measures only people whose feet are within this rectangle on the floor: x to the camera's right, z away
+     * from it, from the point under the camera. No numbers: everywhere.
+     */
+    @JvmOverloads
+    fun setRegion(x0Mm: Float = 0f, z0Mm: Float = 0f, x1Mm: Float = 0f, z1Mm: Float = 0f) =
+        change { Native.setRegion(it, floatArrayOf(x0Mm, z0Mm, x1Mm, z1Mm)) }
+
+    /**
      * Sets what the person of this session reports, before, during or after the frames: [outcome] then has the changed answer. A
      * second call replaces the first. [Person.knownDoubted] names what does not fit the frames and was not used: ask again.
      */

@@ -57,6 +57,7 @@ internal object Native {
     @JvmStatic external fun mesh(handle: Long, vertices: FloatArray?, triangles: IntArray?, counted: IntArray): Int
     @JvmStatic external fun residual(handle: Long, values: FloatArray): Int
     @JvmStatic external fun setKnown(handle: Long, facts: FloatArray, sex: Int): Int
+    @JvmStatic external fun setRegion(handle: Long, region: FloatArray): Int
     @JvmStatic external fun bytes(handle: Long, what: Int, made: Array<ByteArray?>): Int
     @JvmStatic external fun garmentCount(): Int
     @JvmStatic external fun garmentWords(index: Int, language: ByteArray, words: Array<ByteArray?>)

@@ -30,12 +30,19 @@ enum class Guidance {
     /** The same, and slower. */
     TURN_SLOWER,
     /** To who holds the phone: walk on round the person. */
-    WALK_ROUND;
+    WALK_ROUND,
+    /** One surface with a wall or a shelf that cannot be told apart: step away from it. */
+    STEP_TO_THE_MIDDLE,
+    /** A part of the body gives no depth: dark or shiny clothes. */
+    DEPTH_MISSING;
+
+    /** Its bit in the library; 18 to 22 are kept. */
+    internal val bit: Int get() = if (ordinal <= WALK_ROUND.ordinal) ordinal else ordinal + 5
 
     /** What to say to the person, in at most six words: "Step back". [language]: "en", "de", "es", "fr" or "zh". */
     @JvmOverloads
     fun text(language: String = "en"): String =
-        requireNotNull(Native.text(Native.guidanceText(ordinal, language.toByteArray()))) { "no language '$language'" }
+        requireNotNull(Native.text(Native.guidanceText(bit, language.toByteArray()))) { "no language '$language'" }
 }
 
 /**
@@ -97,4 +104,4 @@ data class Progress(
 }
 
 internal inline fun <reified T : Enum<T>> bitsOf(bits: Long): Set<T> =
-    enumValues<T>().filterTo(LinkedHashSet()) { bits shr it.ordinal and 1L == 1L }
+    enumValues<T>().filterTo(LinkedHashSet()) { bits shr ((it as? Guidance)?.bit ?: it.ordinal) and 1L == 1L }
