@@ -66,7 +66,7 @@ class FolderSource final : public Source {
   };
   FolderSource() = default;
   Status scan(const std::string& path);
-  Status check_first_frame(const Intrinsics& camera) const;
+  Result<DepthHeader> first_header() const;
   std::optional<Error> foreign(const Frame& frame);  // whose file is in file_bytes_
   Status read_timestamps(const std::string& path);
   Status read_poses(const std::string& path);

@@ -159,14 +159,22 @@ Result<std::unique_ptr<FolderSource>> FolderSource::open(const std::string& path
   const FolderContents* contents = options.contents;
   if (auto ok = source->scan(contents ? contents->frames_path : path); !ok) return ok.error();
   const std::string yaml = options.camera_yaml_path.empty() ? path + "/camera.yaml" : options.camera_yaml_path;
-  auto camera = contents ? Result<CameraFile>(contents->camera) : load_camera_yaml(yaml);
+  const auto header = source->first_header();
+  const PictureSize pictures = header ? PictureSize{header->width, header->height} : PictureSize{};
+  auto camera = contents ? Result<CameraFile>(contents->camera) : load_camera_yaml(yaml, pictures);
   if (!camera) {
     Error error = camera.error();
     if (error.code == ErrorCode::not_found)
       error.message = yaml + " is missing; put the camera's calibration there or give --camera FILE (docs/cameras)";
     return error;
   }
-  if (auto ok = source->check_first_frame(camera->intrinsics); !ok) return ok.error();
+  if (!header) return header.error();
+  if (header->width != camera->intrinsics.width || header->height != camera->intrinsics.height)
+    return Error{ErrorCode::invalid_argument,
+                 source->frames_.front().path + " is " + std::to_string(header->width) + "x" +
+                     std::to_string(header->height) + " but " + (contents ? contents->camera_path : yaml) +
+                     " is for " + std::to_string(camera->intrinsics.width) + "x" +
+                     std::to_string(camera->intrinsics.height) + "; give the calibration of these pictures"};
   SourceInfo& info = source->info_;
   info.uri = path;
   info.name = path;
@@ -220,22 +228,14 @@ Status FolderSource::scan(const std::string& path) {
 }
 
 // Up to the first sound one: a recording may have thousands. Damage before it is next()'s to report.
-Status FolderSource::check_first_frame(const Intrinsics& camera) const {
+Result<DepthHeader> FolderSource::first_header() const {
   std::vector<std::byte> bytes;
   std::optional<Error> first_damage;
   for (const Frame& frame : frames_) {
     if (auto ok = read_file_into(frame.path, kFileBytesMax, kHeaderBytes, bytes); !ok) return ok.error();
-    const auto header = parse_depth_header(bytes, frame.path);
-    if (!header && header.error().code != ErrorCode::corrupt) return header.error();
-    if (!header) {
-      if (!first_damage) first_damage = header.error();
-      continue;
-    }
-    if (header->width == camera.width && header->height == camera.height) return Ok{};
-    return Error{ErrorCode::invalid_argument, frame.path + " is " + std::to_string(header->width) + "x" +
-                                                  std::to_string(header->height) + " but camera.yaml is for " +
-                                                  std::to_string(camera.width) + "x" + std::to_string(camera.height) +
-                                                  "; give the calibration of these pictures"};
+    auto header = parse_depth_header(bytes, frame.path);
+    if (header || header.error().code != ErrorCode::corrupt) return header;
+    if (!first_damage) first_damage = header.error();
   }
   return *first_damage;
 }

@@ -2,14 +2,13 @@
 #include "hal/folder/stray_scanner.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <utility>
 #include <vector>
 
 #include "core/file.h"
-#include "formats/csv.h"
+#include "hal/folder/calibration_words.h"
 #include "hal/folder/camera_yaml.h"
 #include "hal/folder/frame_name.h"
 #include "hal/folder/pose_rows.h"
@@ -18,53 +17,30 @@
 namespace im2fit::hal {
 namespace {
 
-// The colour picture that ARKit delivers with depth, in landscape.
-constexpr int kColourWidth = 1920, kColourHeight = 1440;
-constexpr double kCentreOffMax = 0.1;  // of a side: another picture's matrix
 constexpr std::size_t kMatrixBytesMax = 4096;
 constexpr std::size_t kPictureBytesMax = std::size_t{64} << 20;  // as FolderSource's
 constexpr std::int64_t kFrameNs = 1'000'000'000 / 60;            // ARKit's rate, where no table has the times
 // A phone that is held upright: its camera's x axis points down.
 constexpr int kPortraitDeg = 90;
 
-// fx, fy, cx, cy.
-using Lens = std::array<double, 4>;
-
 bool exists(const std::string& path) {
   std::error_code code;
   return std::filesystem::exists(path, code) || code;
 }
 
-Result<Lens> read_matrix(const std::string& path) {
+Result<PinholeLens> read_matrix(const std::string& path) {
   const auto bytes = read_file(path, kMatrixBytesMax);
   if (!bytes) return bytes.error();
-  CsvReader csv({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path);
-  const Error wrong{ErrorCode::corrupt,
-                    path + " is not a matrix fx, 0, cx / 0, fy, cy / 0, 0, 1; copy the recording again"};
-  NumberReader numbers;
-  std::vector<double> values;
-  std::vector<std::string> cells;
-  for (;;) {
-    const auto more = csv.next(cells);
-    if (!more) return more.error();
-    if (!*more) break;
-    if (cells.size() != 3 || values.size() >= 9) return wrong;
-    for (const std::string& cell : cells) {
-      double value = 0;
-      if (!numbers.read(cell, value)) return wrong;
-      values.push_back(value);
-    }
-  }
-  if (values.size() != 9) return wrong;
-  for (const std::size_t i : {1U, 3U, 6U, 7U})
-    if (values[i] != 0) return wrong;
-  if (!(values[0] > 0 && values[4] > 0 && values[8] == 1)) return wrong;
-  return Lens{values[0], values[4], values[2], values[5]};
+  const auto matrix = matrix_in({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+  const auto lens = matrix ? pinhole_lens(*matrix) : std::nullopt;
+  if (lens && (*lens)[0] > 0 && (*lens)[1] > 0) return *lens;
+  return Error{ErrorCode::corrupt,
+               path + " is not a matrix fx, 0, cx / 0, fy, cy / 0, 0, 1; copy the recording again"};
 }
 
 // The camera focuses while it records, and the matrix is the last frame's alone.
-Lens mean_lens(const std::vector<PoseRow>& rows, const Lens& matrix) {
-  Lens sum{};
+PinholeLens mean_lens(const std::vector<PoseRow>& rows, const PinholeLens& matrix) {
+  PinholeLens sum{};
   for (const PoseRow& row : rows) {
     if (!row.lens) return matrix;
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += static_cast<double>((*row.lens)[i]);
@@ -106,20 +82,16 @@ Result<std::pair<DepthHeader, std::string>> depth_size(const std::string& folder
 }
 
 // Of depth pictures as the phone stores them, in landscape.
-Result<Intrinsics> scaled(const Lens& lens, int width, int height, const std::string& matrix_path) {
-  const double scale = static_cast<double>(width) / kColourWidth;
-  // Pixel 0 has its centre at 0, so half a pixel takes part in scaling a principal point.
-  const auto centre = [&](double c) { return static_cast<float>((c + 0.5) * scale - 0.5); };
-  if (std::abs(lens[2] - kColourWidth / 2.0) > kCentreOffMax * kColourWidth ||
-      std::abs(lens[3] - kColourHeight / 2.0) > kCentreOffMax * kColourHeight)
+Result<Intrinsics> scaled(const PinholeLens& lens, int width, int height, const std::string& matrix_path) {
+  if (!is_centred(lens, kPhoneColourWidth, kPhoneColourHeight))
     return Error{ErrorCode::invalid_argument,
                  matrix_path + " has its centre at (" + std::to_string(static_cast<int>(lens[2])) + ", " +
                      std::to_string(static_cast<int>(lens[3])) +
                      "), expected near (960, 720) of a 1920x1440 picture; give the depth camera's calibration by "
                      "--camera FILE"};
-  return Intrinsics{
-      width,           height,         static_cast<float>(lens[0] * scale), static_cast<float>(lens[1] * scale),
-      centre(lens[2]), centre(lens[3])};
+  const PinholeLens own = scaled_lens(lens, static_cast<double>(width) / kPhoneColourWidth);
+  const auto at = [&](std::size_t i) { return static_cast<float>(own[i]); };
+  return Intrinsics{width, height, at(0), at(1), at(2), at(3)};
 }
 
 // ARKit's world has y up. The inverse of a unit quaternion turns it into the camera's axes.
@@ -176,7 +148,7 @@ Result<std::unique_ptr<FolderSource>> open_stray_scanner(const std::string& path
   const int turned = width < height ? kPortraitDeg : 0;
   contents.camera_path = options.camera_yaml_path.empty() ? path + "/camera_matrix.csv" : options.camera_yaml_path;
   if (!options.camera_yaml_path.empty()) {
-    auto given = load_camera_yaml(options.camera_yaml_path);
+    auto given = load_camera_yaml(options.camera_yaml_path, {width, height});
     if (!given) return given.error();
     contents.camera = *given;
   } else {
@@ -187,7 +159,7 @@ Result<std::unique_ptr<FolderSource>> open_stray_scanner(const std::string& path
                    matrix_path + " is missing; copy the whole recording again, or give --camera FILE"};
     if (!matrix) return matrix.error();
     const int wide = std::max(width, height), high = std::min(width, height);
-    if (wide * kColourHeight != high * kColourWidth)
+    if (wide * kPhoneColourHeight != high * kPhoneColourWidth)
       return Error{ErrorCode::invalid_argument, size->second + " is " + std::to_string(width) + "x" +
                                                     std::to_string(height) +
                                                     ", expected sides of 4 to 3 as the picture of camera_matrix.csv "

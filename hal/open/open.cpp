@@ -49,10 +49,11 @@ Result<std::unique_ptr<Source>> open_folder(const std::string& path, const OpenO
   return std::unique_ptr<Source>(std::move(*source));
 }
 
-[[maybe_unused]] Result<std::optional<CameraFile>> calibration(const std::string& path, bool must_exist) {
+[[maybe_unused]] Result<std::optional<CameraFile>> calibration(const std::string& path, bool must_exist,
+                                                               PictureSize pictures = {}) {
   std::error_code code;
   if (path.empty() || (!must_exist && !std::filesystem::exists(path, code))) return std::optional<CameraFile>{};
-  auto file = load_camera_yaml(path);
+  auto file = load_camera_yaml(path, pictures);
   if (!file) return file.error();
   return std::optional<CameraFile>{*file};
 }
@@ -69,7 +70,7 @@ void take_calibration(const std::optional<CameraFile>& file, const OpenOptions& 
 
 #if IM2FIT_HAVE_USB
 Result<std::unique_ptr<Source>> open_usb(const std::string& device, const OpenOptions& options) {
-  const auto file = calibration(options.camera_yaml_path, true);
+  const auto file = calibration(options.camera_yaml_path, true, {options.width, options.height});
   if (!file) return file.error();
   KinectOptions wanted;
   take_calibration(*file, options, wanted);
@@ -97,7 +98,7 @@ Result<std::vector<DeviceEntry>> list_usb() {
 
 #if IM2FIT_HAVE_OPENNI2
 Result<OpenNi2Options> camera_options(const OpenOptions& options) {
-  const auto file = calibration(options.camera_yaml_path, true);
+  const auto file = calibration(options.camera_yaml_path, true, {options.width, options.height});
   if (!file) return file.error();
   OpenNi2Options wanted;
   wanted.width = options.width;
@@ -176,7 +177,7 @@ Result<std::vector<DeviceEntry>> list_openni2() {
 
 #if IM2FIT_HAVE_V4L2
 Result<std::unique_ptr<Source>> open_v4l2(const std::string& device, const OpenOptions& options) {
-  const auto file = calibration(options.camera_yaml_path, true);
+  const auto file = calibration(options.camera_yaml_path, true, {options.width, options.height});
   if (!file) return file.error();
   V4l2Options defaults;
   defaults.width = options.width;

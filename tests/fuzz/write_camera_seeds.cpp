@@ -54,6 +54,29 @@ int main(int argc, char** argv) {
   const std::pair<const char*, std::string> kSeeds[] = {
       {"camera_yaml/plain", hal::camera_yaml_text(plain, "camera")},
       {"camera_yaml/bent", hal::camera_yaml_text(bent, "camera") + "im2fit_oni_crc32c: \"0123abcd\"\n"},
+      {"camera_yaml/xml",
+       "<?xml version=\"1.0\"?>\n<opencv_storage>\n<image_width>32</image_width>\n<image_height>24</image_height>\n"
+       "<M1 type_id=\"opencv-matrix\"><rows>3</rows><cols>3</cols><data>\n30 0. 15. 0. 30 11 0 0 1</data></M1>\n"
+       "<distortion_coefficients><data>0.1 0 0 0</data></distortion_coefficients></opencv_storage>\n"},
+      {"camera_yaml/realsense",
+       " Intrinsic of \"Depth\" / 32x24 / {Z16}\n  Width: \t32\n  Height: \t24\n  PPX: \t15\n  PPY: \t11\n  Fx: "
+       "\t30\n"
+       "  Fy: \t30\n  Distortion: \tBrown Conrady\n  Coeffs: \t0 \t0 \t0 \t0 \t0\n\n"},
+      {"camera_yaml/kinect",
+       "{\"CalibrationInformation\": {\"Cameras\": [{\"Intrinsics\": {\"ModelParameters\": [0.5, 0.5, 0.9, 1.2, 3, "
+       "2, 0.1, "
+       "3, 3, 0.6, 0, 0, 0.001, 0.002], \"ModelType\": \"CALIBRATION_LensDistortionModelBrownConrady\"}, "
+       "\"Location\": "
+       "\"CALIBRATION_CameraLocationD0\"}]}}"},
+      {"camera_yaml/orbbec",
+       "{\"depth_intrinsic\": {\"fx\": 30, \"fy\": 30, \"cx\": 15, \"cy\": 11, \"width\": 32, \"height\": 24}, "
+       "\"depth_distortion\": {\"k1\": 0.1, \"k2\": 0.2, \"p1\": 0.001, \"model\": \"Brown Conrady\"}, \"k3\": 0.1}"},
+      {"camera_yaml/kalibr",
+       "cam0:\n  camera_model: pinhole\n  intrinsics: [30, 30, 15, 11]\n  distortion_coeffs: [0.1, 0, 0, 0]\n"
+       "  distortion_model: radtan\n  resolution: [32, 24]\n"},
+      {"camera_yaml/matrix", "30, 0, 15\n0, 30, 11\n0, 0, 1\n"},
+      {"camera_yaml/record3d",
+       "{\"w\": 48, \"h\": 36, \"K\": [45, 0, 0, 0, 45, 0, 23, 17, 1], \"dw\": 32, \"dh\": 24, \"poses\": [[0]]}"},
       {"oni_protocol/whole", two_frames(true)},
       {"oni_protocol/unclosed", two_frames(false)},
       {"depth_picture/pgm", std::string("P5 4 2 65535\n") + std::string(16, '\x0B')},
