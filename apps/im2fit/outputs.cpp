@@ -256,6 +256,10 @@ std::string result_table(const SessionOutcome& outcome, bool paper) {
     for (std::size_t i = 0; i < std::min<std::size_t>(2, entries.size()); ++i)
       text += fmt::format("{} {} {:.0f} %", i == 0 ? ":" : ",", entries[i].size, 100 * entries[i].probability);
     text += ")\n";
+    if (outcome.person.size->reason)
+      text += fmt::format("      {}\n", size_advice_words(*outcome.person.size->reason));
+    for (const std::string& id : outcome.person.size->left_out)
+      text += fmt::format("      {} was not measured and does not count\n", id);
   }
   text += fmt::format("{} frames seen, {} used", result.frames_seen, result.frames_used);
   if (result.views == AnswerViews::front_and_back)

@@ -95,6 +95,11 @@ int main(int argc, char** argv) {
        "1440.5, 0, 955.1\n0, 1440.5, 722.9\n0, 0, 1"},
       {"size_chart/chart",
        "# name: A\n# sex: any\n# unit: mm\n# source: x\n# date: 2020\nsize;low_mm;high_mm\nS;860,5;940\n"},
+      {"size_chart/shop",
+       "Size,Chest (cm),Waist (in)\nS,86-94,\"31\"\nM,94\xE2\x80\x93"
+       "102,33\n"},
+      {"size_chart/trousers",
+       "# name: A\n# sex: men\n# unit: in\n# source: x\n# date: 1\nSize,waist,inseam\nW32/L34,32,34\n"},
       {"http/get", "GET /result.json HTTP/1.1\r\nHost: localhost:1\r\nAccept-Encoding: gzip\r\n\r\n"},
       {"http/foreign",
        "GET /events HTTP/1.1\r\nHost: 127.a.example\r\nOrigin: null\r\nSec-Fetch-Site: cross-site\r\n\r\n"},
