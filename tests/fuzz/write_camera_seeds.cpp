@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sound input for the fuzzers of cameras, of texts and of the page to start from: write_camera_seeds DIRECTORY makes
-// camera_yaml/, oni_protocol/, depth_picture/, folder_times/, pose_table/, size_chart/ and http/.
+// camera_yaml/, oni_protocol/, depth_picture/, folder_times/, pose_table/, recorder_text/, size_chart/ and http/.
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -93,6 +93,13 @@ int main(int argc, char** argv) {
       {"pose_table/matrix",
        "\x02"
        "1440.5, 0, 955.1\n0, 1440.5, 722.9\n0, 0, 1"},
+      {"recorder_text/frames",
+       std::string(1, '\0') + "# depth maps\n1305031102.160407 depth/1305031102.160407.png\n"},
+      {"recorder_text/poses", "\x01# x\n1305031102.1758 1.3405 0.6266 1.6575 0.6574 0.6126 -0.2949 -0.3248\n"},
+      {"recorder_text/frame",
+       "\x02{\"time\": 5, \"intrinsics\": [1443, 0, 955, 0, 1443, 722, 0, 0, 1], \"cameraPoseARFrame\": [0, 1, 0, "
+       "0.5, -1, "
+       "0, 0, 1.4, 0, 0, 1, 0, 0, 0, 0, 1]}"},
       {"size_chart/chart",
        "# name: A\n# sex: any\n# unit: mm\n# source: x\n# date: 2020\nsize;low_mm;high_mm\nS;860,5;940\n"},
       {"size_chart/shop",
