@@ -128,6 +128,7 @@ GarmentFit reason_of(const SizeChart& chart, const std::vector<Measured>& body, 
   GarmentFit fit;
   fit.chart = chart.name;
   std::vector<BodyGirth> girths;
+  girths.reserve(body.size());
   for (const Measured& one : body) {
     fit.region_ids.push_back(chart.measures[one.measure]);
     girths.push_back({static_cast<float>(one.mean_mm), static_cast<float>(one.sd_mm)});
@@ -136,6 +137,7 @@ GarmentFit reason_of(const SizeChart& chart, const std::vector<Measured>& body, 
   std::size_t place = 0;
   for (std::size_t i = 0; i < chart.rows.size(); ++i) {
     std::vector<float> middles;
+    middles.reserve(body.size());
     for (const Measured& one : body) middles.push_back(middle_of(chart.rows[i].range(one.measure)));
     if (chart.rows[i].size == best || ">" + chart.rows[i].size == best) place = i;
     choice.add({chart.rows[i].size, 0, 0, {}}, regions[i], middles, girths);

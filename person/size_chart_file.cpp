@@ -273,7 +273,7 @@ class ChartParser {
   // As the column line has it, for errors.
   std::string field_of(std::size_t measure, Bound bound) const {
     const std::string id = chart_.measures[measure];
-    const std::string end = bound == Bound::low ? "low_mm" : bound == Bound::high ? "high_mm" : "";
+    std::string end = bound == Bound::low ? "low_mm" : bound == Bound::high ? "high_mm" : "";
     if (id == "chest_girth" && !end.empty()) return end;
     return end.empty() ? id : id + " " + end;
   }

@@ -7,7 +7,7 @@
 namespace im2fit {
 namespace {
 
-constexpr float kNormal95 = 1.96F;  // half width of the 95 % interval, in standard deviations
+constexpr float kIntervalSds = 1.96F;  // half width of the 95 % interval, in standard deviations
 // What costs 1: so much less than meant, so much below what binds, so much more than meant. Loose clothes are worn,
 // tight ones are brought back.
 constexpr double kShortMm = 20, kBindsMm = 10, kWideMm = 40;
@@ -53,8 +53,8 @@ void SizeChoice::add(SizeFit size, std::span<const body::FitRegion> regions, std
   for (std::size_t r = 0; r < girths.size(); ++r) {
     RegionFit region;
     region.ease_mm = finished_mm[r] - girths[r].value_mm;
-    region.low_mm = region.ease_mm - kNormal95 * girths[r].sd_mm;
-    region.high_mm = region.ease_mm + kNormal95 * girths[r].sd_mm;
+    region.low_mm = region.ease_mm - kIntervalSds * girths[r].sd_mm;
+    region.high_mm = region.ease_mm + kIntervalSds * girths[r].sd_mm;
     region.verdict = verdict_of(regions[r], region.ease_mm);
     costs_.back().push_back(
         expected_cost(regions[r], static_cast<double>(region.ease_mm), static_cast<double>(girths[r].sd_mm)));

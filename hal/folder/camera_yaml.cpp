@@ -80,13 +80,15 @@ Status check_plausible(const Intrinsics& k, const std::string& path) {
                      ", expected 25 to 130; the focal length is another camera's or another mode's"};
   const float w = static_cast<float>(k.width), h = static_cast<float>(k.height);
   const std::string centre = "cx, cy are " + text(k.cx) + ", " + text(k.cy) + " in pictures of " + size;
-  const auto off = [](float c, float side) { return std::abs(c - 0.5F * side); };
+  const auto off = [](float c, float side) { return std::abs(c + 0.5F - 0.5F * side); };
+  // The middle half, less a little: values of a picture of twice the size lie at a quarter, to half a pixel or so.
+  constexpr float kCentreOffMax = 0.24F;
   if (k.width != k.height && off(k.cx, h) < off(k.cx, w) && off(k.cy, w) < off(k.cy, h))
     return Error{ErrorCode::invalid_argument,
                  path + ": " + centre +
                      ", the centre of pictures that are turned by 90 degrees; exchange cx and cy, or "
                      "give the calibration of pictures as they are stored"};
-  if (off(k.cx, w) > 0.25F * w || off(k.cy, h) > 0.25F * h)
+  if (off(k.cx, w) > kCentreOffMax * w || off(k.cy, h) > kCentreOffMax * h)
     return Error{ErrorCode::invalid_argument, path + ": " + centre +
                                                   ", expected in the middle half of both sides; the values are for "
                                                   "pictures of another size, or for a part of them"};

@@ -65,6 +65,8 @@ class FolderSource final : public Source {
   Result<FrameInfo> next(DepthImage depth, int timeout_ms) override;
   void stop() override {}
   SourceStats stats() const override { return book_.stats(); }
+  // Pixels that the recording is not sure of have no depth.
+  bool uses_confidence() const { return !confidence_of(frames_.front()).empty(); }
 
  private:
   struct Frame {
