@@ -59,8 +59,10 @@ std::optional<IntrinsicsOrigin> parse_origin(std::string_view text) {
 
 Status check_intrinsics(const Intrinsics& k, const std::string& what) {
   if (k.width < 1 || k.height < 1 || k.width > kImageSideMax || k.height > kImageSideMax)
-    return off(what, "the picture's size", std::to_string(k.width) + "x" + std::to_string(k.height),
-               "1 to " + std::to_string(kImageSideMax) + " pixels a side");
+    return Error{ErrorCode::invalid_argument,
+                 what + ": the picture's size is " + std::to_string(k.width) + "x" + std::to_string(k.height) +
+                     ", expected 1 to " + std::to_string(kImageSideMax) +
+                     " pixels a side; halve larger pictures, and the camera's values with them"};
   const float longer = static_cast<float>(k.width > k.height ? k.width : k.height);
   // Fields of view between about 5 and 136 degrees: a wider one is not a pinhole camera's, a narrower sees no person.
   const float focal_min = 0.2F * longer;

@@ -24,6 +24,13 @@ struct FieldOfView {
 };
 FieldOfView field_of_view(const Intrinsics& k);
 
+// Of the pictures that a calibration is for; 0: not known.
+struct PictureSize {
+  int width = 0;
+  int height = 0;
+  bool known() const { return width > 0 && height > 0; }
+};
+
 // The contents of a calibration file, for a camera's picture before rotation.
 struct Calibration {
   Intrinsics intrinsics;

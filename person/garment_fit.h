@@ -11,45 +11,16 @@
 #include "core/status.h"
 #include "garment/pattern.h"
 #include "person/size_chart.h"
+#include "person/size_fit.h"
 #include "person/tape_regression.h"
 #include "person/wardrobe.h"
 
 namespace im2fit {
 
-// tight: it binds; snug: closer than meant; good; loose: wider than meant.
-enum class FitVerdict { tight, snug, good, loose };
-std::string_view name_of(FitVerdict verdict);
-
-struct RegionFit {
-  float ease_mm = 0;              // finished girth less the body's
-  float low_mm = 0, high_mm = 0;  // 95 % interval
-  FitVerdict verdict = FitVerdict::good;
-};
-struct SizeFit {
-  std::string size;
-  float chest_mm = 0;              // it is cut for
-  double cost = 0;                 // 0: as meant everywhere; comparable between sizes of one garment
-  std::vector<RegionFit> regions;  // in the pattern's order
-};
-struct GarmentFit {
-  std::string garment, chart;
-  std::vector<std::string> region_ids;
-  std::vector<SizeFit> sizes;  // from small to large
-  std::size_t best = 0;
-  std::size_t other = 0;         // the neighbour that comes next: `best` lies between the two
-  std::size_t other_region = 0;  // why not that one: where it costs most more than `best`
-  bool none_fits = false;        // `best` is tight somewhere, or loose at every region
-};
-
-// A girth of the body, of the pattern's regions in order.
-struct BodyGirth {
-  float value_mm = 0, sd_mm = 0;
-};
 // The chest girth a size is cut for: the middle of its row.
 float size_chest_mm(const SizeRow& row);
 
-// The cost of a size grows with the square of the ease it lacks (more where it binds) and, less, of its excess ease,
-// each expected over the girth's error. + - * / alone: the same advice on every machine.
+// Of a chart with chest girths: that is what garments are cut by (SizeSystem::cut_by).
 GarmentFit fit_garment(const body::GarmentPattern& pattern, const body::CutRegression& regression,
                        const SizeChart& chart, bool woman, std::span<const BodyGirth> girths);
 // In words for people: "M; then L, in which the chest is loose (150 mm of ease, 70 in M)".

@@ -9,6 +9,37 @@ Result<PersonMeasurement> measurement_of(const Engine& engine, const Measurement
   return measurement_of(engine.result(), parts, source);
 }
 
+namespace {
+
+// The answer's own eleven, else the tape's where it has an interval.
+std::optional<index::IntervalEstimate> measured_length(const PersonMeasurement& person, std::string_view id) {
+  for (std::size_t i = 0; i < kMeasurementCount; ++i)
+    if (kMeasurementTable[i].id == id) return person.result.answer.measurements[i];
+  const int place = person.tape != nullptr ? definition_index(*person.tape, id) : -1;
+  const auto i = static_cast<std::size_t>(place);
+  if (place < 0 || i >= person.tape_intervals.size() || !person.tape_intervals[i].known ||
+      !(person.tape_values[i] > 0))
+    return std::nullopt;
+  return index::IntervalEstimate{person.tape_values[i], person.tape_intervals[i].low, person.tape_intervals[i].high};
+}
+
+Status add_body(PersonMeasurement& person, const MeasurementParts& parts) {
+  const index::Answer& answer = person.result.answer;
+  body::MeasurementFitter fitter(*parts.body_model);
+  auto body = body_of_answer(fitter, answer, person.result.measured_joints, person.result.floor, person.result.seen);
+  if (!body) return body.error();
+  person.body = std::move(*body);
+  person.modifier_names = parts.body_model->modifier_names();
+  if (parts.tape == nullptr) return Ok{};
+  person.tape = parts.tape;
+  person.tape_values.resize(parts.tape->definitions.size());
+  body::TapeMeasurer(*parts.body_model).measure(*parts.tape, fitter.measured(), person.tape_values);
+  person.tape_intervals = tape_intervals(*parts.tape, person.tape_values, answer);
+  return Ok{};
+}
+
+}  // namespace
+
 Result<PersonMeasurement> measurement_of(const EngineResult& result, const MeasurementParts& parts,
                                          const hal::SourceInfo& source) {
   PersonMeasurement person;
@@ -16,21 +47,11 @@ Result<PersonMeasurement> measurement_of(const EngineResult& result, const Measu
   person.source = source;
   person.site = parts.site;
   if (!person.result.measured) return person;
-  const index::Answer& answer = person.result.answer;
+  if (parts.body_model != nullptr && parts.index != nullptr)
+    if (auto made = add_body(person, parts); !made) return made.error();
   if (parts.sizes != nullptr)
-    person.size = size_probabilities(*parts.sizes, answer.measurements[measurement_index(Measurement::chest_girth)],
-                                     answer.female);
-  if (parts.body_model == nullptr || parts.index == nullptr) return person;
-  body::MeasurementFitter fitter(*parts.body_model);
-  auto body = body_of_answer(fitter, answer, person.result.measured_joints, person.result.floor, person.result.seen);
-  if (!body) return body.error();
-  person.body = std::move(*body);
-  person.modifier_names = parts.body_model->modifier_names();
-  if (parts.tape == nullptr) return person;
-  person.tape = parts.tape;
-  person.tape_values.resize(parts.tape->definitions.size());
-  body::TapeMeasurer(*parts.body_model).measure(*parts.tape, fitter.measured(), person.tape_values);
-  person.tape_intervals = tape_intervals(*parts.tape, person.tape_values, answer);
+    person.size = size_answer(
+        *parts.sizes, [&](std::string_view id) { return measured_length(person, id); }, person.result.answer.female);
   return person;
 }
 

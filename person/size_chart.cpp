@@ -2,133 +2,18 @@
 #include "person/size_chart.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <utility>
 
-#include "core/file.h"
-#include "core/text.h"
-#include "formats/csv.h"
+#include "core/rng.h"
 
 namespace im2fit {
 namespace {
 
-constexpr std::size_t kRowCountMax = 32;
-constexpr std::size_t kChartBytesMax = 64 * 1024;  // a chart is a page, anything larger is another file
-// A newborn's chest is 330 mm; no survey of adults has one of 2 m.
-constexpr double kGirthMinMm = 300, kGirthMaxMm = 2500;
-constexpr std::size_t kSizeLettersMax = 15;
-constexpr std::size_t kSizeBytesMax = 30;        // with a sign and an end, what the C interface has place for
 constexpr double kNormal95 = 1.959963984540054;  // half width of the 95 % interval, in standard deviations
-
-class ChartParser {
- public:
-  ChartParser(std::string_view text, const std::string& what) : what_(what), csv_(text, what) {}
-
-  Result<SizeChart> parse() {
-    for (std::vector<std::string> cells;;) {
-      const auto more = csv_.next(cells);
-      if (!more) return more.error();
-      if (!*more) return finish();
-      if (auto ok = take_line(cells); !ok) return ok.error();
-    }
-  }
-
- private:
-  Error error(const std::string& field, const std::string& problem) const {
-    return {ErrorCode::corrupt, what_ + " line " + std::to_string(csv_.line()) + ": " + field + " " + problem};
-  }
-  static std::string joined(const std::vector<std::string>& cells) {
-    std::string text;
-    for (const std::string& cell : cells) text += (text.empty() ? "" : ",") + cell;
-    return text;
-  }
-
-  Status take_line(const std::vector<std::string>& cells) {
-    if (!cells[0].empty() && cells[0].front() == '#') return take_header(std::string_view(cells[0]).substr(1));
-    if (!columns_seen_) {
-      if (cells != std::vector<std::string>{"size", "low_mm", "high_mm"})
-        return error("column line", "is '" + joined(cells) + "', expected 'size,low_mm,high_mm'");
-      columns_seen_ = true;
-      return Ok{};
-    }
-    return take_row(cells);
-  }
-
-  static std::string trim(std::string_view text) {
-    const std::size_t first = text.find_first_not_of(" \t");
-    if (first == std::string_view::npos) return {};
-    return std::string(text.substr(first, text.find_last_not_of(" \t") - first + 1));
-  }
-
-  // "# word: value"; other comments are left alone.
-  Status take_header(std::string_view line) {
-    const std::size_t colon = line.find(':');
-    if (colon == std::string_view::npos) return Ok{};
-    const std::string key = trim(line.substr(0, colon)), value = trim(line.substr(colon + 1));
-    if (key == "name") chart_.name = value;
-    if (key == "source") chart_.source = value;
-    if (key == "date") chart_.date = value;
-    if (key == "unit") {
-      if (value != "mm") return error("unit", "is '" + value + "', expected 'mm'");
-      unit_seen_ = true;
-    }
-    if (key == "sex") {
-      if (value != "men" && value != "women" && value != "any")
-        return error("sex", "is '" + value + "', expected men, women or any");
-      chart_.sex = value == "men" ? ChartSex::men : value == "women" ? ChartSex::women : ChartSex::any;
-      sex_seen_ = true;
-    }
-    return Ok{};
-  }
-
-  Status take_row(const std::vector<std::string>& cells) {
-    if (cells.size() != 3)
-      return error("row", "'" + joined(cells) + "' does not have the 3 fields size,low_mm,high_mm");
-    SizeRow row;
-    row.size = cells[0];
-    const std::size_t letters = character_count(row.size);
-    if (letters < 1 || letters > kSizeLettersMax || row.size.size() > kSizeBytesMax)
-      return error("size", "must have 1 to 15 characters (30 bytes)");
-    if (auto ok = take_number("low_mm", cells[1], row.low_mm); !ok) return ok;
-    if (auto ok = take_number("high_mm", cells[2], row.high_mm); !ok) return ok;
-    if (!(row.low_mm < row.high_mm)) return error("high_mm", "must be more than low_mm");
-    if (!chart_.rows.empty() && row.low_mm < chart_.rows.back().high_mm)
-      return error("low_mm", "overlaps size " + chart_.rows.back().size + ": rows go from small to large");
-    for (const SizeRow& other : chart_.rows)
-      if (other.size == row.size) return error("size", "'" + row.size + "' appears twice");
-    if (chart_.rows.size() == kRowCountMax) return error("row", "is one too many: at most 32");
-    chart_.rows.push_back(std::move(row));
-    return Ok{};
-  }
-
-  Status take_number(const char* field, const std::string& cell, float& value) {
-    double number = 0;
-    if (!csv_.number(cell, number) || !(number > 0)) return error(field, "is '" + cell + "', expected millimetres");
-    if (number < kGirthMinMm || number > kGirthMaxMm)
-      return error(field, "is '" + cell + "' mm, expected a chest girth of 300 to 2500 mm" +
-                              (number >= kGirthMinMm / 10 && number <= kGirthMaxMm / 10
-                                   ? "; if these are centimetres, write millimetres"
-                                   : ""));
-    value = static_cast<float>(number);
-    return Ok{};
-  }
-
-  Result<SizeChart> finish() {
-    if (chart_.name.empty()) return error("header", "has no '# name:' line");
-    if (!sex_seen_) return error("header", "has no '# sex:' line");
-    if (!unit_seen_) return error("header", "has no '# unit: mm' line");
-    if (chart_.source.empty()) return error("header", "has no '# source:' line");
-    if (chart_.date.empty()) return error("header", "has no '# date:' line");
-    if (chart_.rows.empty()) return error("chart", "has no sizes");
-    return std::move(chart_);
-  }
-
-  const std::string& what_;
-  CsvReader csv_;
-  bool columns_seen_ = false;
-  bool sex_seen_ = false;
-  bool unit_seen_ = false;
-  SizeChart chart_;
-};
+constexpr int kBodies = 1024;                    // a share is then right to 1.6 %
+constexpr std::uint64_t kBodiesSeed = 59;
 
 SizeSystem parse_builtin() {
   // The text is ours and a test parses it; a fault here would be a fault of the build.
@@ -146,37 +31,140 @@ void add(SizeAnswer& answer, const std::string& size, double probability) {
   answer.entries.push_back({size, probability});
 }
 
-// Where a chart leaves a gap between two sizes, each takes its half.
-double upper_edge(const SizeChart& chart, std::size_t row) {
-  const double high = static_cast<double>(chart.rows[row].high_mm);
+// Where a chart leaves a gap between two sizes, or they overlap, each takes its half.
+double upper_edge(const SizeChart& chart, std::size_t row, std::size_t measure) {
+  const double high = static_cast<double>(chart.rows[row].range(measure).high_mm);
   if (row + 1 == chart.rows.size()) return high;
-  return 0.5 * (high + static_cast<double>(chart.rows[row + 1].low_mm));
+  return 0.5 * (high + static_cast<double>(chart.rows[row + 1].range(measure).low_mm));
 }
 
-void add_chart(SizeAnswer& answer, const SizeChart& chart, double mean_mm, double sd_mm, double share) {
-  if (chart.rows.empty()) return;
-  const auto below = [&](double girth_mm) { return normal_cdf((girth_mm - mean_mm) / sd_mm); };
-  double previous = below(static_cast<double>(chart.rows.front().low_mm));
+struct Measured {
+  std::size_t measure = 0;  // of the chart
+  double mean_mm = 0, sd_mm = 0;
+};
+
+void add_by_one(SizeAnswer& answer, const SizeChart& chart, const Measured& body, double share) {
+  const auto below = [&](double girth_mm) { return normal_cdf((girth_mm - body.mean_mm) / body.sd_mm); };
+  double previous = below(static_cast<double>(chart.rows.front().range(body.measure).low_mm));
   add(answer, "<" + chart.rows.front().size, share * previous);
   for (std::size_t i = 0; i < chart.rows.size(); ++i) {
-    const double next = below(upper_edge(chart, i));
+    const double next = below(upper_edge(chart, i, body.measure));
     add(answer, chart.rows[i].size, share * (next - previous));
     previous = next;
   }
   add(answer, ">" + chart.rows.back().size, share * (1 - previous));
 }
 
+// A body within the size's range fits; a size further away it is tight.
+body::FitRegion region_of(const SizeRange& range, const std::string& id) {
+  body::FitRegion region;
+  region.id = region.measure = id;
+  const float half = (range.high_mm - range.low_mm) / 2;
+  region.good_low_mm = -half;
+  region.good_high_mm = half;
+  region.tight_mm = -3 * half;
+  return region;
+}
+
+// [size][measure in `body`]
+using Regions = std::vector<std::vector<body::FitRegion>>;
+float middle_of(const SizeRange& range) {
+  return (range.low_mm + range.high_mm) / 2;
+}
+
+// Where a body takes the smallest size and is below all its ranges, or the largest and is above one by a size, no
+// size is its own.
+std::string label_of(const SizeChart& chart, const Regions& regions, std::size_t size,
+                     const std::vector<double>& eases_mm) {
+  bool all_loose = true, tight = false;
+  for (std::size_t m = 0; m < eases_mm.size(); ++m) {
+    all_loose = all_loose && eases_mm[m] > regions[size][m].good_high_mm;
+    tight = tight || eases_mm[m] < regions[size][m].tight_mm;
+  }
+  if (size == 0 && all_loose) return "<" + chart.rows.front().size;
+  if (size + 1 == chart.rows.size() && tight) return ">" + chart.rows.back().size;
+  return chart.rows[size].size;
+}
+
+Regions regions_of(const SizeChart& chart, const std::vector<Measured>& body) {
+  Regions regions;
+  for (const SizeRow& row : chart.rows) {
+    regions.emplace_back();
+    for (const Measured& one : body)
+      regions.back().push_back(region_of(row.range(one.measure), chart.measures[one.measure]));
+  }
+  return regions;
+}
+
+void add_by_several(SizeAnswer& answer, const SizeChart& chart, const std::vector<Measured>& body, double share) {
+  const Regions regions = regions_of(chart, body);
+  add(answer, "<" + chart.rows.front().size, 0);
+  for (const SizeRow& row : chart.rows) add(answer, row.size, 0);
+  add(answer, ">" + chart.rows.back().size, 0);
+  Rng rng(kBodiesSeed);
+  std::vector<double> value(body.size()), ease(body.size()), best_ease(body.size());
+  for (int i = 0; i < kBodies; ++i) {
+    for (std::size_t m = 0; m < body.size(); ++m)
+      value[m] = body[m].mean_mm + body[m].sd_mm * static_cast<double>(rng.fast_normal());
+    std::size_t best = 0;
+    double least = 0;
+    for (std::size_t size = 0; size < chart.rows.size(); ++size) {
+      double cost = 0;
+      for (std::size_t m = 0; m < body.size(); ++m) {
+        ease[m] = static_cast<double>(middle_of(chart.rows[size].range(body[m].measure))) - value[m];
+        cost += fit_cost(regions[size][m], ease[m]);
+      }
+      if (size > 0 && cost >= least) continue;
+      least = cost;
+      best = size;
+      best_ease = ease;
+    }
+    add(answer, label_of(chart, regions, best, best_ease), share / kBodies);
+  }
+}
+
+GarmentFit reason_of(const SizeChart& chart, const std::vector<Measured>& body, const std::string& best) {
+  const Regions regions = regions_of(chart, body);
+  GarmentFit fit;
+  fit.chart = chart.name;
+  std::vector<BodyGirth> girths;
+  girths.reserve(body.size());
+  for (const Measured& one : body) {
+    fit.region_ids.push_back(chart.measures[one.measure]);
+    girths.push_back({static_cast<float>(one.mean_mm), static_cast<float>(one.sd_mm)});
+  }
+  SizeChoice choice(fit);
+  std::size_t place = 0;
+  for (std::size_t i = 0; i < chart.rows.size(); ++i) {
+    std::vector<float> middles;
+    middles.reserve(body.size());
+    for (const Measured& one : body) middles.push_back(middle_of(chart.rows[i].range(one.measure)));
+    if (chart.rows[i].size == best || ">" + chart.rows[i].size == best) place = i;
+    choice.add({chart.rows[i].size, 0, 0, {}}, regions[i], middles, girths);
+  }
+  choice.choose_among_all(place);
+  return fit;
+}
+
+// What the body has of the chart's measures; the others are left out.
+std::vector<Measured> measured_of(const SizeChart& chart, const MeasureLookup& lookup, SizeAnswer& answer) {
+  std::vector<Measured> body;
+  for (std::size_t m = 0; m < chart.measures.size(); ++m) {
+    const std::string& id = chart.measures[m];
+    const auto found = lookup(id);
+    if (!found) {
+      if (std::find(answer.left_out.begin(), answer.left_out.end(), id) == answer.left_out.end())
+        answer.left_out.push_back(id);
+      continue;
+    }
+    const double width = static_cast<double>(found->high) - static_cast<double>(found->low);
+    // An interval of no width still leaves the tape's own millimetre.
+    body.push_back({m, static_cast<double>(found->value), std::max(width / (2 * kNormal95), 1.0)});
+  }
+  return body;
+}
+
 }  // namespace
-
-Result<SizeChart> parse_size_chart(std::string_view text, const std::string& what) {
-  return ChartParser(text, what).parse();
-}
-
-Result<SizeChart> load_size_chart(const std::string& path) {
-  auto bytes = read_file(path, kChartBytesMax);
-  if (!bytes) return bytes.error();
-  return parse_size_chart({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path);
-}
 
 Result<SizeSystem> make_size_system(std::vector<SizeChart> charts) {
   if (charts.size() == 1 && charts[0].sex == ChartSex::any) return SizeSystem{charts[0], charts[0]};
@@ -205,23 +193,61 @@ double normal_cdf(double x) {
   return 1 - 0.5 / (eighth * eighth);
 }
 
-SizeAnswer size_probabilities(const SizeSystem& system, const index::IntervalEstimate& chest_mm, float female) {
-  const double mean = static_cast<double>(chest_mm.value);
-  const double width = static_cast<double>(chest_mm.high) - static_cast<double>(chest_mm.low);
-  // An interval of no width still leaves the tape's own millimetre.
-  const double sd = std::max(width / (2 * kNormal95), 1.0);
+const SizeChart& SizeSystem::cut_by(bool woman) const {
+  const SizeChart& own = woman ? women : men;
+  if (own.has_chest()) return own;
+  const SizeSystem& builtin = builtin_size_system();
+  return woman ? builtin.women : builtin.men;
+}
+
+SizeAnswer size_answer(const SizeSystem& system, const MeasureLookup& lookup, float female) {
   const double share = std::clamp(static_cast<double>(female), 0.0, 1.0);
   SizeAnswer answer;
   answer.chart = system.men.name;
-  add_chart(answer, system.men, mean, sd, 1 - share);
-  add_chart(answer, system.women, mean, sd, share);
+  const std::vector<Measured> bodies[] = {measured_of(system.men, lookup, answer),
+                                          measured_of(system.women, lookup, answer)};
+  // A chart that nothing was measured of leaves all to the other.
+  const double shares[] = {bodies[1].empty() ? 1 : 1 - share, bodies[0].empty() ? 1 : share};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const SizeChart& chart = i == 0 ? system.men : system.women;
+    if (bodies[i].empty() || chart.rows.empty()) continue;
+    if (bodies[i].size() == 1 && chart.measures.size() == 1)
+      add_by_one(answer, chart, bodies[i].front(), shares[i]);
+    else
+      add_by_several(answer, chart, bodies[i], shares[i]);
+  }
   double best = -1;
   for (const SizeAnswer::Entry& entry : answer.entries) {
     if (entry.probability <= best) continue;
     best = entry.probability;
     answer.best = entry.size;
   }
+  const std::size_t likelier = share > 0.5 ? 1 : 0;
+  const SizeChart& chart = likelier == 1 ? system.women : system.men;
+  if (chart.measures.size() > 1 && !bodies[likelier].empty() && !chart.rows.empty())
+    answer.reason = reason_of(chart, bodies[likelier], answer.best);
   return answer;
+}
+
+std::string size_advice_words(const GarmentFit& reason) {
+  const SizeFit &best = reason.sizes[reason.best], &other = reason.sizes[reason.other];
+  std::string words = reason.none_fits ? best.size + " is the nearest, and no size fits" : best.size + " fits";
+  if (reason.other == reason.best) return words;
+  std::string place = reason.region_ids[reason.other_region];
+  std::replace(place.begin(), place.end(), '_', ' ');
+  const auto off = [&](const SizeFit& size) {
+    const auto mm = std::lround(size.regions[reason.other_region].ease_mm);
+    return std::to_string(std::labs(mm)) + " mm " + (mm < 0 ? "smaller" : "larger");
+  };
+  return words + "; then " + other.size + ": its " + place + " is made for a body " + off(other) + ", that of " +
+         best.size + " for one " + off(best);
+}
+
+SizeAnswer size_probabilities(const SizeSystem& system, const index::IntervalEstimate& chest_mm, float female) {
+  const auto lookup = [&](std::string_view id) {
+    return id == "chest_girth" ? std::optional(chest_mm) : std::optional<index::IntervalEstimate>();
+  };
+  return size_answer(system, lookup, female);
 }
 
 }  // namespace im2fit

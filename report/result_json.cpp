@@ -125,13 +125,6 @@ Json age_json(const AgeAnswer& age) {
           {"bands", bands}};
 }
 
-Json size_json(const SizeAnswer& size) {
-  Json probabilities = Json::object();
-  for (const SizeAnswer::Entry& entry : size.entries)
-    probabilities[entry.size] = rounded(entry.probability, kTenThousandths);
-  return {{"chart", size.chart}, {"best", size.best}, {"probabilities", probabilities}};
-}
-
 // Every size's ease at every region, and which to buy.
 Json garment_json(const GarmentFit& fit) {
   Json sizes = Json::object();
@@ -154,6 +147,25 @@ Json garment_json(const GarmentFit& fit) {
   json["other"] = {{"size", fit.sizes[fit.other].size},
                    {"region", fit.region_ids[fit.other_region]},
                    {"verdict", std::string(name_of(fit.sizes[fit.other].regions[fit.other_region].verdict))}};
+  return json;
+}
+
+// Of a chart by several measures: how far each size is from the body, and why the best is best.
+Json reason_json(const GarmentFit& fit) {
+  Json json = garment_json(fit);
+  json.erase("garment");
+  json.erase("chart");
+  json.erase("best");
+  return json;
+}
+
+Json size_json(const SizeAnswer& size) {
+  Json probabilities = Json::object();
+  for (const SizeAnswer::Entry& entry : size.entries)
+    probabilities[entry.size] = rounded(entry.probability, kTenThousandths);
+  Json json = {{"chart", size.chart}, {"best", size.best}, {"probabilities", probabilities}};
+  if (size.reason) json["reason"] = reason_json(*size.reason);
+  if (!size.left_out.empty()) json["left_out"] = size.left_out;
   return json;
 }
 

@@ -64,12 +64,14 @@ Result<std::unique_ptr<hal::Source>> open_patiently(const InputOptions& options,
 void add_input_options(cli::App& sub, InputOptions& options) {
   sub.add_option("SOURCE", options.source,
                  "openni2[:URI] | usb[:SERIAL] | v4l2:/dev/videoN | synthetic[:SEED] | PATH.oni | DEPTH_FOLDER | "
-                 "STRAY_SCANNER_FOLDER")
+                 "STRAY_SCANNER_FOLDER | SCANNER_APP_FOLDER | TUM_FOLDER")
       ->required();
   sub.add_option("--rotate", options.rotate_deg, "Mounting of the camera, degrees (default: as recorded)")
       ->one_of({0, 90, 180, 270});
-  sub.add_option("--camera", options.camera_yaml, "Calibration (ROS/OpenCV YAML) that overrides the source's own")
-      ->type_name("YAML");
+  sub.add_option(
+         "--camera", options.camera_yaml,
+         "Calibration that overrides the source's own: of ROS, OpenCV, a camera's maker or a phone's recorder")
+      ->type_name("FILE");
   sub.add_option("--unit", options.unit_mm,
                  "Depth folder: millimetres per unit of its pixels (0.1; 10: centimetres; 1000: metres)")
       ->range(0.001, 1000.0)

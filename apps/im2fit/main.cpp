@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
     {"measure", add_measure},
     {"live", add_live},
     {"record", add_record},
+    {"convert", add_convert},
     {"tape", add_tape},
     {"try", add_try},
     {"models", add_models},

@@ -13,6 +13,7 @@
 #include "garment/drape/wear.h"
 #include "hal/depth_diagnosis.h"
 #include "person/dressing.h"
+#include "report/measurement_file.h"
 #include "report/overlay.h"
 #include "report/text_table.h"
 
@@ -256,6 +257,10 @@ std::string result_table(const SessionOutcome& outcome, bool paper) {
     for (std::size_t i = 0; i < std::min<std::size_t>(2, entries.size()); ++i)
       text += fmt::format("{} {} {:.0f} %", i == 0 ? ":" : ",", entries[i].size, 100 * entries[i].probability);
     text += ")\n";
+    if (outcome.person.size->reason)
+      text += fmt::format("      {}\n", size_advice_words(*outcome.person.size->reason));
+    for (const std::string& id : outcome.person.size->left_out)
+      text += fmt::format("      {} was not measured and does not count\n", id);
   }
   text += fmt::format("{} frames seen, {} used", result.frames_seen, result.frames_used);
   if (result.views == AnswerViews::front_and_back)
@@ -327,6 +332,22 @@ std::vector<std::string> session_notes(const SessionOutcome& outcome) {
   return notes;
 }
 
+namespace {
+
+Status write_exports(const SessionOutcome& outcome, const SessionOptions& options) {
+  const LengthUnit unit = options.export_unit == "in"   ? LengthUnit::in
+                          : options.export_unit == "cm" ? LengthUnit::cm
+                                                        : LengthUnit::mm;
+  for (const std::string& path : options.exports) {
+    const auto text = measurement_file(outcome.person, path, unit);
+    if (!text) return text.error();
+    if (auto written = write_file_atomically(path, *text, Readable::by_owner); !written) return written;
+  }
+  return Ok{};
+}
+
+}  // namespace
+
 Result<int> report_session(SessionOutcome& outcome, const SessionOptions& options) {
   const EngineResult& result = outcome.person.result;
   if (!options.out.empty())
@@ -341,11 +362,13 @@ Result<int> report_session(SessionOutcome& outcome, const SessionOptions& option
                             damage.empty() ? "" : "; " + damage));
     return kExitNoMeasurement;
   }
+  if (const auto written = write_exports(outcome, options); !written) return written.error();
   for (const std::string& note : session_notes(outcome)) print_error(note);
   if (const std::string note = body_note(outcome.person); !note.empty()) print_error(note);
   if (!options.json) {
     fmt::print("{}", result_table(outcome, options.paper));
     if (!options.out.empty()) fmt::print("written to {}\n", options.out);
+    for (const std::string& path : options.exports) fmt::print("written to {}\n", path);
   }
   return kExitOk;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <csignal>
 #include <optional>
@@ -21,7 +22,8 @@ struct RecordOptions {
   std::string out;
   int frames = 60;
   bool json = false;
-  std::string motion;  // file of the joints over time; "": none
+  bool convert = false;  // the same of a recording, whole
+  std::string motion;    // file of the joints over time; "": none
   std::string tracker = default_tracker_path();
 };
 
@@ -76,19 +78,43 @@ class Follower {
 
 struct Recorded {
   std::uint64_t frames = 0;
-  std::string beside;  // another file that belongs to it; "": none
+  std::string beside;                 // another file that belongs to it; "": none
+  std::vector<std::string> not_kept;  // of what the source told, for which the target has no place
 };
+
+// What a source's frames told besides depth.
+struct Told {
+  bool poses = false, gravity = false, two_clocks = false;
+  void see(const hal::FrameInfo& info) {
+    poses = poses || info.pose;
+    gravity = gravity || info.down;
+    two_clocks = two_clocks || (info.device_us >= 0 && info.device_us != info.host_ns / 1000);
+  }
+};
+
+std::vector<std::string> not_kept(const Told& told, bool oni) {
+  std::vector<std::string> words;
+  if (oni && told.poses) words.emplace_back("poses");
+  if (oni && told.gravity) words.emplace_back("gravity");
+  if (oni && told.two_clocks) words.emplace_back("host times");
+  return words;
+}
 
 Status report(const RecordOptions& options, const Recorded& recorded, const hal::SourceStats& stats,
               std::uint64_t losses) {
   if (!options.json) {
     fmt::print("{}: {}{}\n", options.out, counts(recorded.frames, stats, losses),
                recorded.beside.empty() ? "" : ", calibration in " + recorded.beside);
+    if (!recorded.not_kept.empty()) fmt::print("not kept: {}\n", fmt::join(recorded.not_kept, ", "));
     return flush_output();
   }
-  const Json summary = {{"path", options.out},   {"frames", recorded.frames},
-                        {"missing", stats.gaps}, {"damaged", stats.damaged},
-                        {"losses", losses},      {"complete", stats.gaps == 0 && stats.damaged == 0 && losses == 0}};
+  const Json summary = {{"path", options.out},
+                        {"frames", recorded.frames},
+                        {"missing", stats.gaps},
+                        {"damaged", stats.damaged},
+                        {"losses", losses},
+                        {"complete", stats.gaps == 0 && stats.damaged == 0 && losses == 0},
+                        {"not_kept", recorded.not_kept}};
   fmt::print("{}", line_of(summary));
   return flush_output();
 }
@@ -110,19 +136,22 @@ class WriterSink final : public FrameSink {
   Result<DepthImage> acquire() override { return depth_; }
   Status commit(const hal::FrameInfo& info) override {
     if (auto written = writer_.write(depth_, info); !written) return written;
+    told_.see(info);
     return follower_ != nullptr ? follower_->follow(depth_, info) : Ok{};
   }
+  const Told& told() const { return told_; }
 
  private:
   Writer& writer_;
   Follower* follower_;
   std::vector<std::uint16_t> pixels_;
   DepthImage depth_;
+  Told told_;
 };
 
 // `kept` says where the frames are once the writer has finished.
 template <class Writer, class Kept>
-Result<Recorded> record_with(Writer& writer, FrameTap& tap, Follower* follower, const Kept& kept) {
+Result<Recorded> record_with(Writer& writer, FrameTap& tap, Follower* follower, bool oni, const Kept& kept) {
   if (const auto started = tap.start(); !started) return started.error();
   WriterSink<Writer> sink(writer, tap.info().intrinsics, follower);
   const auto pulled = pump_all(tap, sink, [] { return true; });
@@ -131,13 +160,13 @@ Result<Recorded> record_with(Writer& writer, FrameTap& tap, Follower* follower, 
   const auto frames = static_cast<std::uint64_t>(writer.frame_count());
   if (!pulled) return with_kept(pulled.error(), kept(), frames);
   if (!finished) return with_kept(finished.error(), kept(), frames);
-  return Recorded{frames, ""};
+  return Recorded{frames, "", not_kept(sink.told(), oni)};
 }
 
 Result<Recorded> record_oni(FrameTap& tap, Follower* follower, const std::string& path) {
   auto writer = hal::OniWriter::create(path, tap.info().intrinsics, {tap.info().name, tap.info().intrinsics_origin});
   if (!writer) return writer.error();
-  auto recorded = record_with(**writer, tap, follower, [&] { return (*writer)->kept_path(); });
+  auto recorded = record_with(**writer, tap, follower, true, [&] { return (*writer)->kept_path(); });
   if (recorded) recorded->beside = hal::oni_sidecar_path(path);
   return recorded;
 }
@@ -148,7 +177,16 @@ Result<Recorded> record_folder(FrameTap& tap, Follower* follower, const std::str
   writing.origin = tap.info().intrinsics_origin;
   auto writer = hal::FolderWriter::create(path, tap.info().intrinsics, writing);
   if (!writer) return writer.error();
-  return record_with(**writer, tap, follower, [&] { return path; });
+  return record_with(**writer, tap, follower, false, [&] { return path; });
+}
+
+// Endings of formats that are not written: a folder of this name would be a riddle.
+Status check_target(const std::string& out) {
+  for (const char* ending : {".mkv", ".bag", ".r3d", ".zip", ".mp4", ".db3", ".mcap", ".png", ".npy", ".raw"})
+    if (out.ends_with(ending))
+      return Error{ErrorCode::unsupported,
+                   out + ": " + ending + " files are not written; give PATH.oni or the name of a new folder"};
+  return Ok{};
 }
 
 Result<int> run_record(const RecordOptions& given) {
@@ -158,8 +196,15 @@ Result<int> run_record(const RecordOptions& given) {
     losses = stats.lost;
     print_error(camera_words(stats, source));
   };
+  if (options.convert)
+    if (const auto ok = check_target(options.out); !ok) return ok.error();
   auto input = open_input(options.input);
   if (!input) return input.error();
+  if (const hal::SourceInfo& info = input->source->info();
+      options.convert && (info.live || info.frame_count < 0) && !is_oni(options.input.source))
+    return Error{ErrorCode::invalid_argument, options.input.source +
+                                                  " is a camera and never ends; record it: im2fit record " +
+                                                  options.input.source + " --out " + options.out};
   std::unique_ptr<Follower> follower;
   if (!options.motion.empty()) {
     auto made = Follower::create(options, input->source->info());
@@ -171,10 +216,13 @@ Result<int> run_record(const RecordOptions& given) {
   const auto frames = static_cast<std::uint64_t>(options.frames);
   std::optional<Progress> progress(std::in_place, "recording", frames);
   FrameTap tap(*input->source, frames, [&](std::uint64_t done) { progress->update(done); });
-  const auto recorded = is_oni(options.out) ? record_oni(tap, follower.get(), options.out)
-                                            : record_folder(tap, follower.get(), options.out);
+  auto recorded = is_oni(options.out) ? record_oni(tap, follower.get(), options.out)
+                                      : record_folder(tap, follower.get(), options.out);
   progress.reset();  // its line goes before anything else is printed
   if (!recorded) return recorded.error();
+  if (const auto* folder = dynamic_cast<const hal::FolderSource*>(input->source.get());
+      folder != nullptr && folder->uses_confidence())
+    recorded->not_kept.emplace_back("confidence (unsure pixels have no depth)");
   if (input->truth) {
     const std::string path = is_oni(options.out) ? options.out.substr(0, options.out.size() - 4) + ".truth.json"
                                                  : options.out + "/truth.json";
@@ -190,6 +238,21 @@ Result<int> run_record(const RecordOptions& given) {
 }
 
 }  // namespace
+
+void add_convert(cli::App& app, Command& chosen) {
+  auto options = std::make_shared<RecordOptions>();
+  options->convert = true;
+  options->frames = 0;
+  auto* sub = add_command<RecordOptions>(
+      app, chosen, "convert", "Make a depth folder or an OpenNI2 .oni file of a recording",
+      "  im2fit convert c00a170fe1 person\n  im2fit convert person.oni person --json", options, run_record);
+  add_input_options(*sub, options->input);
+  sub->add_option("OUT", options->out, "PATH.oni, which OpenNI2 programs can read too, or a new folder")->required();
+  sub->add_flag(
+      "--json", options->json,
+      "Print the numbers of written, missing and damaged frames, and what OUT has no place for, as one line "
+      "of JSON");
+}
 
 void add_record(cli::App& app, Command& chosen) {
   auto options = std::make_shared<RecordOptions>();

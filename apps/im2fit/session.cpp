@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "engine/engine.h"
+#include "report/measurement_file.h"
 
 namespace im2fit::apps {
 namespace {
@@ -135,6 +136,14 @@ void add_session_options(cli::App& sub, SessionOptions& options) {
       ->one_of({1, 2})
       ->capture_default_str();
   add_motion_option(sub, options.motion);
+  sub.add_option("--export", options.exports,
+                 "File(s) of all measurements: .smis (Seamly2D), .json (FreeSewing), .yaml (GarmentCode), .csv; see "
+                 "docs/tape.md")
+      ->type_name("FILE")
+      ->check(measurement_file_fault);
+  sub.add_option("--export-unit", options.export_unit, "Unit of .csv; in: of .smis too, which is in cm otherwise")
+      ->one_of({"mm", "cm", "in"})
+      ->capture_default_str();
   sub.add_flag("--paper", options.paper, "Show the values of the paper's own estimators beside ours in the table");
   sub.add_flag("--timing", options.timing, "Add times to the result");
   sub.add_flag("--json", options.json, "Print result.json, and nothing else, on stdout");
@@ -177,9 +186,10 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
     if (const auto made = make_directory(options.out); !made) return made.error();
   auto data = load_measuring_data(options, options.input.body);
   if (!data) return data.error();
-  // Of what is printed or written, result.json and clothes alone rest on the tape.
+  // Of what is printed or written, result.json, clothes, exports and a chart of one's own alone rest on the tape.
   const WantedFiles wanted = wanted_files(options);
-  if (!options.live && !options.json && (options.out.empty() || !(wanted.result || wanted.clothes)))
+  if (!options.live && !options.json && options.exports.empty() && options.size_charts.empty() &&
+      (options.out.empty() || !(wanted.result || wanted.clothes)))
     data->tape.reset();
   for (const std::string& warning : data->warnings) fmt::print(stderr, "{}\n", warning);
   auto shown = std::make_unique<ShownFrame>();

@@ -35,9 +35,11 @@ struct SessionOptions : MeasuringOptions {
   KnownOptions known_words;  // `known`, as the command line has it
   InputOptions input;
   std::string user_word = "nearest";  // `user`, as the command line has it
-  std::string out;     // "": no files
-  std::string only;    // words of wanted_files(); "": all files
-  std::string motion;  // file of the joints over time; "": none
+  std::string out;                    // "": no files
+  std::string only;                   // words of wanted_files(); "": all files
+  std::string motion;                 // file of the joints over time; "": none
+  std::vector<std::string> exports;   // files of report/measurement_file.h
+  std::string export_unit = "mm";     // of those that have a choice; mm, cm or in
   bool json = false;
   bool timing = false;
   bool paper = false;  // the paper's values in the table, beside ours

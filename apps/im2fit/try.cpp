@@ -118,7 +118,7 @@ Result<int> run(const TryOptions& options) {
   if (!girths) return girths.error();
   const bool woman = person->female > 0.5F;
   const GarmentFit fit =
-      fit_garment(*pattern, builtin_wardrobe().regression, woman ? charts->women : charts->men, woman, *girths);
+      fit_garment(*pattern, builtin_wardrobe().regression, charts->cut_by(woman), woman, *girths);
   std::size_t chosen = fit.best;
   if (!options.size.empty()) {
     chosen = 0;

@@ -3,143 +3,129 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstddef>
+#include <cstdio>
+#include <string_view>
 #include <vector>
 
 #include "core/file.h"
 #include "core/text.h"
+#include "hal/folder/calibration_text.h"
+#include "hal/folder/calibration_words.h"
 #include "hal/intrinsics.h"
 
 namespace im2fit::hal {
 namespace {
 
-Error lacks(const std::string& path, const std::string& key, const std::string& expected) {
-  return {ErrorCode::invalid_argument, path + ": " + key + " is missing or not " + expected +
-                                           "; write it as ROS or OpenCV calibration does (docs/cameras)"};
-}
-
-// OpenCV begins with "%YAML:1.0", which is not the directive YAML knows, and tags matrices with its own type.
-std::string without_directive(std::string text) {
-  if (text.rfind("%YAML", 0) == 0) text.erase(0, text.find('\n'));
-  return text;
-}
-
-Result<std::vector<double>> matrix(const YAML::Node& root, const std::string& path, const std::string& key) {
-  const YAML::Node node = root[key];
-  const YAML::Node data = node.IsDefined() && node.IsMap() ? node["data"] : node;
-  if (!data.IsDefined() || !data.IsSequence()) return lacks(path, key, "a matrix with data: [...]");
-  std::vector<double> values;
-  for (const auto& item : data) values.push_back(item.as<double>());
-  return values;
-}
-
-// ROS's name for five coefficients, as RealSense's own programs have it.
+// As ROS, OpenCV, RealSense, Orbbec, Azure Kinect and kalibr name the lens that Distortion describes.
 bool is_known_model(const std::string& name) {
-  return name == "plumb_bob" || name == "rational_polynomial" || name == "Brown Conrady";
+  std::string plain = plain_name(name);
+  if (plain.rfind("obdistortion", 0) == 0) plain.erase(0, std::string_view("obdistortion").size());
+  constexpr const char* kNames[] = {"",       "plumbbob", "rationalpolynomial", "brownconrady", "brownconradyk6",
+                                    "radtan", "opencv",   "rational6kt",        "pinhole"};
+  return std::find(std::begin(kNames), std::end(kNames), plain) != std::end(kNames);
 }
 
-Status read_distortion(const YAML::Node& root, const std::string& path, CameraFile& file) {
-  if (!root["distortion_coefficients"].IsDefined()) return Ok{};
-  const auto values = matrix(root, path, "distortion_coefficients");
-  if (!values) return values.error();
-  const std::size_t count = values->size();
-  if (count != 0 && count != 4 && count != 5 && count != 8)
-    return lacks(path, "distortion_coefficients", "4, 5 or 8 numbers (k1 k2 p1 p2 k3 k4 k5 k6)");
-  for (std::size_t i = 0; i < count; ++i) file.distortion.coefficients[i] = (*values)[i];
-  if (!file.distortion.any()) return Ok{};
-  const YAML::Node model = root["distortion_model"];
-  const std::string name = model.IsDefined() ? model.as<std::string>() : "plumb_bob";
-  if (!is_known_model(name))
-    return Error{ErrorCode::unsupported, path + ": distortion_model is " + name + ", expected plumb_bob or " +
-                                             "rational_polynomial; undistort the pictures and write zeros"};
+// Without coefficients, too, their pictures are not a pinhole's.
+bool is_fisheye(const std::string& name) {
+  const std::string plain = plain_name(name);
+  for (const char* word : {"equidistant", "fisheye", "kannala", "omni", "theta"})
+    if (plain.find(word) != std::string::npos) return true;
+  return false;
+}
+
+Status take_distortion(const LensWords& words, const std::string& path, CameraFile& file) {
+  const std::vector<double>& values = words.distortion;
+  const Error model{ErrorCode::unsupported, path + ": distortion_model is " + excerpt(words.model) +
+                                                ", expected plumb_bob or rational_polynomial; undistort the pictures "
+                                                "and write zeros"};
+  if (is_fisheye(words.model)) return model;
+  const std::size_t count = values.size();
+  constexpr std::size_t kCounts[] = {0, 4, 5, 8, 12, 14};
+  if (std::find(std::begin(kCounts), std::end(kCounts), count) == std::end(kCounts))
+    return calibration_lacks(path, "distortion_coefficients", "4, 5 or 8 numbers (k1 k2 p1 p2 k3 k4 k5 k6)");
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i < file.distortion.coefficients.size())
+      file.distortion.coefficients[i] = values[i];
+    else if (values[i] != 0)
+      return Error{ErrorCode::unsupported,
+                   path +
+                       ": distortion_coefficients has a thin prism or a tilt (its 9th to 14th "
+                       "number is not 0); calibrate again without, or undistort the pictures"};
+  }
+  if (file.distortion.any() && !is_known_model(words.model)) return model;
   return Ok{};
 }
 
-// The same in the words of ROS's calibration file, from those of others. Where a key of theirs is absent the other is
-// left out, and its absence is what is reported.
-//   ros2 topic echo (camera_info):  width height k: [9] d: [...] distortion_model     (ROS 1: K, D)
-//   Open3D:                         width height intrinsic_matrix: [9, column by column]
-//   RealSense, Orbbec, others:      width height fx fy (ppx ppy | cx cy) (coeffs), flat or below one of kGroups
-YAML::Node in_ros_words(const YAML::Node& root) {
-  constexpr const char* kGroups[] = {"depth", "depth_intrinsics", "depth_intrinsic", "intrinsics", "intrinsic"};
-  if (!root.IsMap() || root["image_width"].IsDefined() || root["camera_matrix"].IsDefined()) return root;
-  for (const char* group : kGroups)
-    if (root[group].IsDefined() && root[group].IsMap()) return in_ros_words(root[group]);
-  YAML::Node out;
-  for (const auto& [from, to] : {std::pair{"width", "image_width"},
-                                 {"height", "image_height"},
-                                 {"k", "camera_matrix"},
-                                 {"K", "camera_matrix"},
-                                 {"d", "distortion_coefficients"},
-                                 {"D", "distortion_coefficients"},
-                                 {"coeffs", "distortion_coefficients"},
-                                 {"distortion_model", "distortion_model"},
-                                 {"im2fit_rotate_deg", "im2fit_rotate_deg"},
-                                 {"im2fit_confidence_min", "im2fit_confidence_min"}})
-    if (root[from].IsDefined()) out[to] = root[from];
-  const YAML::Node columns = root["intrinsic_matrix"];
-  if (columns.IsDefined() && columns.IsSequence() && columns.size() == 9)
-    for (std::size_t i = 0; i < 9; ++i) out["camera_matrix"].push_back(columns[3 * (i % 3) + i / 3]);
-  const char* cx = root["ppx"].IsDefined() ? "ppx" : "cx";
-  const char* cy = root["ppy"].IsDefined() ? "ppy" : "cy";
-  bool all = true;
-  for (const char* key : {"fx", "fy", cx, cy}) all = all && root[key].IsDefined();
-  if (!all) return out;
-  YAML::Node matrix;
-  for (int i = 0; i < 9; ++i) matrix.push_back(0);
-  matrix[0] = root["fx"];
-  matrix[2] = root[cx];
-  matrix[4] = root["fy"];
-  matrix[5] = root[cy];
-  matrix[8] = 1;
-  out["camera_matrix"] = matrix;
-  return out;
+// What no depth camera has, and a mistake would have: check_intrinsics allows more, for cropped pictures.
+Status check_plausible(const Intrinsics& k, const std::string& path) {
+  constexpr float kFieldMin_deg = 25, kFieldMax_deg = 130;
+  constexpr float kRadToDeg = 57.29578F;
+  const auto text = [](float value) {
+    char digits[32];
+    std::snprintf(digits, sizeof digits, "%.1f", static_cast<double>(value));
+    return std::string(digits);
+  };
+  const std::string size = std::to_string(k.width) + "x" + std::to_string(k.height);
+  const FieldOfView field = field_of_view(k);
+  const bool wide = field.horizontal_rad > field.vertical_rad;
+  const float widest_deg = (wide ? field.horizontal_rad : field.vertical_rad) * kRadToDeg;
+  if (!(widest_deg >= kFieldMin_deg && widest_deg <= kFieldMax_deg))
+    return Error{ErrorCode::invalid_argument,
+                 path + ": " + (wide ? "fx" : "fy") + " is " + text(wide ? k.fx : k.fy) + ", a field of view of " +
+                     text(widest_deg) + " degrees in pictures of " + size +
+                     ", expected 25 to 130; the focal length is another camera's or another mode's"};
+  const float w = static_cast<float>(k.width), h = static_cast<float>(k.height);
+  const std::string centre = "cx, cy are " + text(k.cx) + ", " + text(k.cy) + " in pictures of " + size;
+  const auto off = [](float c, float side) { return std::abs(c + 0.5F - 0.5F * side); };
+  // The middle half, less a little: values of a picture of twice the size lie at a quarter, to half a pixel or so.
+  constexpr float kCentreOffMax = 0.24F;
+  if (k.width != k.height && off(k.cx, h) < off(k.cx, w) && off(k.cy, w) < off(k.cy, h))
+    return Error{ErrorCode::invalid_argument,
+                 path + ": " + centre +
+                     ", the centre of pictures that are turned by 90 degrees; exchange cx and cy, or "
+                     "give the calibration of pictures as they are stored"};
+  if (off(k.cx, w) > kCentreOffMax * w || off(k.cy, h) > kCentreOffMax * h)
+    return Error{ErrorCode::invalid_argument, path + ": " + centre +
+                                                  ", expected in the middle half of both sides; the values are for "
+                                                  "pictures of another size, or for a part of them"};
+  return Ok{};
 }
 
-Result<CameraFile> interpret(const YAML::Node& file_root, const std::string& path) {
-  const YAML::Node root = in_ros_words(file_root);
-  if (!root.IsMap()) return lacks(path, "image_width", "a whole number");
+Result<CameraFile> interpret(const YAML::Node& root, const std::string& path, PictureSize pictures) {
+  const auto words = lens_words(root, path, pictures);
+  if (!words) return words.error();
   CameraFile file;
-  Intrinsics& k = file.intrinsics;
-  for (const auto& [key, value] : {std::pair{"image_width", &k.width}, std::pair{"image_height", &k.height}}) {
-    if (!root[key].IsDefined() || !root[key].IsScalar()) return lacks(path, key, "a whole number of pixels");
-    *value = root[key].as<int>();
-  }
-  const auto camera = matrix(root, path, "camera_matrix");
-  if (!camera) return camera.error();
-  if (camera->size() != 9) return lacks(path, "camera_matrix", "9 numbers (3 x 3, row by row)");
-  const auto at = [&](std::size_t i) { return static_cast<float>((*camera)[i]); };
-  k.fx = at(0);
-  k.cx = at(2);
-  k.fy = at(4);
-  k.cy = at(5);
-  if (auto ok = check_intrinsics(k, path); !ok) return ok.error();
-  if ((*camera)[1] != 0 || (*camera)[3] != 0 || (*camera)[6] != 0 || (*camera)[7] != 0 || (*camera)[8] != 1)
-    return Error{ErrorCode::unsupported,
-                 path + ": camera_matrix has skew or is not a pinhole matrix; expected [fx,0,cx, 0,fy,cy, 0,0,1]"};
-  if (auto ok = read_distortion(root, path, file); !ok) return ok.error();
+  const auto at = [&](std::size_t i) { return static_cast<float>(words->lens[i]); };
+  file.intrinsics = {words->size.width, words->size.height, at(0), at(1), at(2), at(3)};
+  if (auto ok = check_intrinsics(file.intrinsics, path); !ok) return ok.error();
+  if (auto ok = check_plausible(file.intrinsics, path); !ok) return ok.error();
+  if (auto ok = take_distortion(*words, path, file); !ok) return ok.error();
   if (root["im2fit_rotate_deg"].IsDefined()) {
     file.rotate_deg = root["im2fit_rotate_deg"].as<int>();
-    if (!is_rotation(*file.rotate_deg)) return lacks(path, "im2fit_rotate_deg", "0, 90, 180 or 270");
+    if (!is_rotation(*file.rotate_deg)) return calibration_lacks(path, "im2fit_rotate_deg", "0, 90, 180 or 270");
   }
   if (root["im2fit_intrinsics_origin"].IsDefined()) {
     const auto origin = parse_origin(root["im2fit_intrinsics_origin"].as<std::string>());
     if (!origin)
-      return lacks(path, "im2fit_intrinsics_origin", "device, calibration_file, field_of_view or synthetic");
+      return calibration_lacks(path, "im2fit_intrinsics_origin",
+                               "device, calibration_file, field_of_view or synthetic");
     file.origin = *origin;
   }
   if (root["im2fit_confidence_min"].IsDefined()) {
     file.confidence_min = root["im2fit_confidence_min"].as<int>();
     if (*file.confidence_min < 0 || *file.confidence_min > 255)
-      return lacks(path, "im2fit_confidence_min", "a whole number from 0 to 255");
+      return calibration_lacks(path, "im2fit_confidence_min", "a whole number from 0 to 255");
   }
   if (root["im2fit_oni_crc32c"].IsDefined()) {
     const std::string text = root["im2fit_oni_crc32c"].as<std::string>();
     std::uint32_t crc = 0;
     const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), crc, 16);
     if (code != std::errc() || end != text.data() + text.size() || text.size() != 8)
-      return lacks(path, "im2fit_oni_crc32c", "8 hexadecimal digits");
+      return calibration_lacks(path, "im2fit_oni_crc32c", "8 hexadecimal digits");
     file.oni_crc32c = crc;
   }
   return file;
@@ -147,15 +133,16 @@ Result<CameraFile> interpret(const YAML::Node& file_root, const std::string& pat
 
 }  // namespace
 
-Result<CameraFile> load_camera_yaml(const std::string& path) {
+Result<CameraFile> load_camera_yaml(const std::string& path, PictureSize pictures) {
   const auto bytes = read_file(path, kTextBytesMax);
   if (!bytes) return bytes.error();
-  return parse_camera_yaml(std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()), path);
+  return parse_camera_yaml(std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()), path, pictures);
 }
 
-Result<CameraFile> parse_camera_yaml(const std::string& text, const std::string& path) {
+Result<CameraFile> parse_camera_yaml(const std::string& text, const std::string& path, PictureSize pictures) {
   try {
-    auto file = interpret(YAML::Load(without_directive(text)), path);
+    const auto tree = calibration_tree(text, path);
+    auto file = tree ? interpret(*tree, path, pictures) : Result<CameraFile>(tree.error());
     if (!file) return Error{file.error().code, printable(file.error().message)};
     return file;
   } catch (const YAML::Exception& e) {

@@ -18,7 +18,8 @@ Error damaged(const std::string& what, const std::string& found) {
 Status check_size(long long width, long long height, const std::string& what) {
   if (width >= 1 && height >= 1 && width <= kImageSideMax && height <= kImageSideMax) return Ok{};
   return Error{ErrorCode::unsupported, what + " is " + std::to_string(width) + "x" + std::to_string(height) +
-                                           " pixels, expected 1 to " + std::to_string(kImageSideMax) + " a side"};
+                                           " pixels, expected 1 to " + std::to_string(kImageSideMax) +
+                                           " a side; halve larger pictures, and the camera's values with them"};
 }
 
 int byte_at(std::span<const std::byte> bytes, std::size_t i) {

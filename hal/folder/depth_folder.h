@@ -30,11 +30,18 @@ inline constexpr int kConfidenceMin = 2;
 // What another recorder keeps in files of its own (hal/folder/stray_scanner.h). For frames as stored.
 struct FolderContents {
   std::string frames_path, confidence_path;  // the second is empty where the recorder keeps no confidence
+  bool confidence_beside = false;            // that of depth_00012.png is conf_00012.png, in its folder
   CameraFile camera;
   std::map<std::uint64_t, FrameInfo> frames;  // by number; empty: there are neither times nor poses
   std::int64_t frame_ns = 0;                  // from frame to frame, where `frames` is empty
   std::string camera_path, table_path;        // the files of `camera` and `frames`, for errors
   SensorKind sensor = SensorKind::unknown;
+  // Files whose names are not numbers, in order: in place of `frames_path` and `frames`.
+  struct Listed {
+    std::string path;
+    FrameInfo info;
+  };
+  std::vector<Listed> listed;
 };
 
 struct FolderOptions {
@@ -58,6 +65,8 @@ class FolderSource final : public Source {
   Result<FrameInfo> next(DepthImage depth, int timeout_ms) override;
   void stop() override {}
   SourceStats stats() const override { return book_.stats(); }
+  // Pixels that the recording is not sure of have no depth.
+  bool uses_confidence() const { return !confidence_of(frames_.front()).empty(); }
 
  private:
   struct Frame {
@@ -66,13 +75,14 @@ class FolderSource final : public Source {
   };
   FolderSource() = default;
   Status scan(const std::string& path);
-  Status check_first_frame(const Intrinsics& camera) const;
+  Result<DepthHeader> first_header() const;
   std::optional<Error> foreign(const Frame& frame);  // whose file is in file_bytes_
   Status read_timestamps(const std::string& path);
   Status read_poses(const std::string& path);
   Status take_tables(const std::string& path);
   Status take_contents(const FolderContents& contents);
   Status check_confidence();
+  std::string confidence_of(const Frame& frame) const;  // "": there is none
   Status drop_unsure(const Frame& frame);
 
   SourceInfo info_;
@@ -83,6 +93,7 @@ class FolderSource final : public Source {
   std::vector<std::byte> file_bytes_;
   DepthDecoder decoder_;
   std::string confidence_folder_;  // "": there is none
+  bool confidence_beside_ = false;
   int confidence_min_ = kConfidenceMin;
   std::vector<std::uint8_t> confidence_;
   SequenceBook book_;

@@ -157,16 +157,28 @@ Result<std::unique_ptr<FolderSource>> FolderSource::open(const std::string& path
                  "the unit is " + std::to_string(options.unit_mm) + " mm, expected 0.001 to 1000"};
   source->unit_mm_ = options.unit_mm;
   const FolderContents* contents = options.contents;
-  if (auto ok = source->scan(contents ? contents->frames_path : path); !ok) return ok.error();
+  if (contents && !contents->listed.empty()) {
+    for (const auto& [file, info] : contents->listed) source->frames_.push_back({file, info});
+  } else if (auto ok = source->scan(contents ? contents->frames_path : path); !ok) {
+    return ok.error();
+  }
   const std::string yaml = options.camera_yaml_path.empty() ? path + "/camera.yaml" : options.camera_yaml_path;
-  auto camera = contents ? Result<CameraFile>(contents->camera) : load_camera_yaml(yaml);
+  const auto header = source->first_header();
+  const PictureSize pictures = header ? PictureSize{header->width, header->height} : PictureSize{};
+  auto camera = contents ? Result<CameraFile>(contents->camera) : load_camera_yaml(yaml, pictures);
   if (!camera) {
     Error error = camera.error();
     if (error.code == ErrorCode::not_found)
       error.message = yaml + " is missing; put the camera's calibration there or give --camera FILE (docs/cameras)";
     return error;
   }
-  if (auto ok = source->check_first_frame(camera->intrinsics); !ok) return ok.error();
+  if (!header) return header.error();
+  if (header->width != camera->intrinsics.width || header->height != camera->intrinsics.height)
+    return Error{ErrorCode::invalid_argument,
+                 source->frames_.front().path + " is " + std::to_string(header->width) + "x" +
+                     std::to_string(header->height) + " but " + (contents ? contents->camera_path : yaml) +
+                     " is for " + std::to_string(camera->intrinsics.width) + "x" +
+                     std::to_string(camera->intrinsics.height) + "; give the calibration of these pictures"};
   SourceInfo& info = source->info_;
   info.uri = path;
   info.name = path;
@@ -220,22 +232,14 @@ Status FolderSource::scan(const std::string& path) {
 }
 
 // Up to the first sound one: a recording may have thousands. Damage before it is next()'s to report.
-Status FolderSource::check_first_frame(const Intrinsics& camera) const {
+Result<DepthHeader> FolderSource::first_header() const {
   std::vector<std::byte> bytes;
   std::optional<Error> first_damage;
   for (const Frame& frame : frames_) {
     if (auto ok = read_file_into(frame.path, kFileBytesMax, kHeaderBytes, bytes); !ok) return ok.error();
-    const auto header = parse_depth_header(bytes, frame.path);
-    if (!header && header.error().code != ErrorCode::corrupt) return header.error();
-    if (!header) {
-      if (!first_damage) first_damage = header.error();
-      continue;
-    }
-    if (header->width == camera.width && header->height == camera.height) return Ok{};
-    return Error{ErrorCode::invalid_argument, frame.path + " is " + std::to_string(header->width) + "x" +
-                                                  std::to_string(header->height) + " but camera.yaml is for " +
-                                                  std::to_string(camera.width) + "x" + std::to_string(camera.height) +
-                                                  "; give the calibration of these pictures"};
+    auto header = parse_depth_header(bytes, frame.path);
+    if (header || header.error().code != ErrorCode::corrupt) return header;
+    if (!first_damage) first_damage = header.error();
   }
   return *first_damage;
 }
@@ -285,6 +289,11 @@ Status FolderSource::take_tables(const std::string& path) {
 Status FolderSource::take_contents(const FolderContents& contents) {
   info_.sensor = contents.sensor;
   confidence_folder_ = contents.confidence_path;
+  confidence_beside_ = contents.confidence_beside;
+  for (Frame& frame : frames_)
+    if (!contents.listed.empty() && frame.info.pose)
+      frame.info.pose = rotate_upright(*frame.info.pose, info_.rotate_deg);
+  if (!contents.listed.empty()) return Ok{};
   if (contents.frames.empty()) {
     for (Frame& frame : frames_)
       frame.info.host_ns = static_cast<std::int64_t>(frame.info.sequence) * contents.frame_ns;
@@ -316,15 +325,23 @@ Status FolderSource::read_poses(const std::string& path) {
 
 // Of the first frame: the others are next()'s to report.
 Status FolderSource::check_confidence() {
-  if (confidence_folder_.empty() || confidence_min_ == 0) return Ok{};
   auto ok = drop_unsure(frames_.front());
   if (ok || ok.error().code == ErrorCode::corrupt) return Ok{};
   return ok;
 }
 
+std::string FolderSource::confidence_of(const Frame& frame) const {
+  if (confidence_min_ == 0) return "";
+  if (!confidence_folder_.empty())
+    return confidence_folder_ + "/" + frame_name(frame.info.sequence, DepthFormat::png);
+  const std::size_t name = frame.path.rfind('/') + 1;
+  if (!confidence_beside_ || frame.path.compare(name, 5, "depth") != 0) return "";
+  return frame.path.substr(0, name) + "conf" + frame.path.substr(name + 5);
+}
+
 Status FolderSource::drop_unsure(const Frame& frame) {
-  if (confidence_folder_.empty() || confidence_min_ == 0) return Ok{};
-  const std::string path = confidence_folder_ + "/" + frame_name(frame.info.sequence, DepthFormat::png);
+  const std::string path = confidence_of(frame);
+  if (path.empty()) return Ok{};
   if (auto ok = read_file_into(path, kFileBytesMax, SIZE_MAX, file_bytes_); !ok) {
     Error error = ok.error();
     if (error.code == ErrorCode::not_found)

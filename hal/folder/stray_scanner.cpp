@@ -1,209 +1,63 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/folder/stray_scanner.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <filesystem>
 #include <utility>
 #include <vector>
 
 #include "core/file.h"
-#include "formats/csv.h"
-#include "hal/folder/camera_yaml.h"
-#include "hal/folder/frame_name.h"
-#include "hal/folder/pose_rows.h"
-#include "hal/intrinsics.h"
+#include "hal/folder/phone_recording.h"
 
 namespace im2fit::hal {
 namespace {
 
-// The colour picture that ARKit delivers with depth, in landscape.
-constexpr int kColourWidth = 1920, kColourHeight = 1440;
-constexpr double kCentreOffMax = 0.1;  // of a side: another picture's matrix
 constexpr std::size_t kMatrixBytesMax = 4096;
-constexpr std::size_t kPictureBytesMax = std::size_t{64} << 20;  // as FolderSource's
-constexpr std::int64_t kFrameNs = 1'000'000'000 / 60;            // ARKit's rate, where no table has the times
-// A phone that is held upright: its camera's x axis points down.
-constexpr int kPortraitDeg = 90;
 
-// fx, fy, cx, cy.
-using Lens = std::array<double, 4>;
-
-bool exists(const std::string& path) {
-  std::error_code code;
-  return std::filesystem::exists(path, code) || code;
-}
-
-Result<Lens> read_matrix(const std::string& path) {
+Result<PinholeLens> read_matrix(const std::string& path) {
   const auto bytes = read_file(path, kMatrixBytesMax);
   if (!bytes) return bytes.error();
-  CsvReader csv({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path);
-  const Error wrong{ErrorCode::corrupt,
-                    path + " is not a matrix fx, 0, cx / 0, fy, cy / 0, 0, 1; copy the recording again"};
-  NumberReader numbers;
-  std::vector<double> values;
-  std::vector<std::string> cells;
-  for (;;) {
-    const auto more = csv.next(cells);
-    if (!more) return more.error();
-    if (!*more) break;
-    if (cells.size() != 3 || values.size() >= 9) return wrong;
-    for (const std::string& cell : cells) {
-      double value = 0;
-      if (!numbers.read(cell, value)) return wrong;
-      values.push_back(value);
-    }
-  }
-  if (values.size() != 9) return wrong;
-  for (const std::size_t i : {1U, 3U, 6U, 7U})
-    if (values[i] != 0) return wrong;
-  if (!(values[0] > 0 && values[4] > 0 && values[8] == 1)) return wrong;
-  return Lens{values[0], values[4], values[2], values[5]};
-}
-
-// The camera focuses while it records, and the matrix is the last frame's alone.
-Lens mean_lens(const std::vector<PoseRow>& rows, const Lens& matrix) {
-  Lens sum{};
-  for (const PoseRow& row : rows) {
-    if (!row.lens) return matrix;
-    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += static_cast<double>((*row.lens)[i]);
-  }
-  if (rows.empty()) return matrix;
-  for (double& value : sum) value /= static_cast<double>(rows.size());
-  return sum;
-}
-
-// The size of the first depth picture with a sound header.
-Result<std::pair<DepthHeader, std::string>> depth_size(const std::string& folder) {
-  std::error_code code;
-  std::vector<std::pair<std::uint64_t, std::string>> pictures;
-  bool npy = false;
-  std::filesystem::directory_iterator it(folder, code);
-  for (const std::filesystem::directory_iterator end; !code && it != end; it.increment(code)) {
-    const std::string name = it->path().filename().string();
-    npy = npy || name.ends_with(".npy");
-    if (const auto number = frame_number(name)) pictures.emplace_back(*number, folder + "/" + name);
-  }
-  if (code) return Error{ErrorCode::io, "cannot read the folder " + folder + ": " + code.message()};
-  if (pictures.empty() && npy)
-    return Error{ErrorCode::unsupported, folder +
-                                             " holds .npy files of the app's first versions; convert them to 16-bit "
-                                             "PNG in millimetres, named 000000.png"};
-  if (pictures.empty())
-    return Error{ErrorCode::not_found, folder + " holds no 000000.png; copy the whole recording again"};
-  std::sort(pictures.begin(), pictures.end());
-  std::vector<std::byte> bytes;
-  std::optional<Error> first;
-  for (const auto& [number, path] : pictures) {
-    if (auto ok = read_file_into(path, kPictureBytesMax, kHeaderBytes, bytes); !ok) return ok.error();
-    const auto header = parse_depth_header(bytes, path);
-    if (header) return std::pair(*header, path);
-    if (header.error().code != ErrorCode::corrupt) return header.error();
-    if (!first) first = header.error();
-  }
-  return *first;
-}
-
-// Of depth pictures as the phone stores them, in landscape.
-Result<Intrinsics> scaled(const Lens& lens, int width, int height, const std::string& matrix_path) {
-  const double scale = static_cast<double>(width) / kColourWidth;
-  // Pixel 0 has its centre at 0, so half a pixel takes part in scaling a principal point.
-  const auto centre = [&](double c) { return static_cast<float>((c + 0.5) * scale - 0.5); };
-  if (std::abs(lens[2] - kColourWidth / 2.0) > kCentreOffMax * kColourWidth ||
-      std::abs(lens[3] - kColourHeight / 2.0) > kCentreOffMax * kColourHeight)
-    return Error{ErrorCode::invalid_argument,
-                 matrix_path + " has its centre at (" + std::to_string(static_cast<int>(lens[2])) + ", " +
-                     std::to_string(static_cast<int>(lens[3])) +
-                     "), expected near (960, 720) of a 1920x1440 picture; give the depth camera's calibration by "
-                     "--camera FILE"};
-  return Intrinsics{
-      width,           height,         static_cast<float>(lens[0] * scale), static_cast<float>(lens[1] * scale),
-      centre(lens[2]), centre(lens[3])};
-}
-
-// ARKit's world has y up. The inverse of a unit quaternion turns it into the camera's axes.
-Vec3f down_seen(const CameraPose& q) {
-  return {-2 * (q.x * q.y + q.z * q.w), -(1 - 2 * (q.x * q.x + q.z * q.z)), -2 * (q.y * q.z - q.x * q.w)};
-}
-
-int upright_rotation(Vec3f down) {
-  int best = 0;
-  for (const int turned : {90, 180, 270})
-    if (rotate_upright(down, turned).y > rotate_upright(down, best).y) best = turned;
-  return best;
-}
-
-// `turned`: by how much the pictures were turned after the phone stored them.
-void take_rows(const std::vector<PoseRow>& rows, int turned, FolderContents& contents) {
-  for (const PoseRow& row : rows) {
-    FrameInfo info;
-    info.sequence = row.sequence;
-    info.host_ns = row.time_s ? std::llround(*row.time_s * 1e9) : static_cast<std::int64_t>(row.sequence) * kFrameNs;
-    if (row.time_s) info.device_us = std::llround(*row.time_s * 1e6);
-    info.pose = rotate_upright(row.pose, turned);
-    info.down = rotate_upright(normalized(down_seen(row.pose)), turned);
-    contents.frames.emplace(row.sequence, info);
-  }
+  const auto matrix = matrix_in({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+  const auto lens = matrix ? pinhole_lens(*matrix) : std::nullopt;
+  if (lens && (*lens)[0] > 0 && (*lens)[1] > 0) return *lens;
+  return Error{ErrorCode::corrupt,
+               path + " is not a matrix fx, 0, cx / 0, fy, cy / 0, 0, 1; copy the recording again"};
 }
 
 }  // namespace
 
 bool is_stray_scanner(const std::string& path) {
   std::error_code code;
-  return std::filesystem::is_directory(path + "/depth", code) && !exists(path + "/camera.yaml") &&
-         (exists(path + "/odometry.csv") || exists(path + "/camera_matrix.csv"));
+  return std::filesystem::is_directory(path + "/depth", code) && !file_exists(path + "/camera.yaml") &&
+         (file_exists(path + "/odometry.csv") || file_exists(path + "/camera_matrix.csv"));
 }
 
 Result<std::unique_ptr<FolderSource>> open_stray_scanner(const std::string& path, const FolderOptions& options) {
-  FolderContents contents;
+  PhoneRecording recording;
+  recording.path = path;
+  FolderContents& contents = recording.contents;
   contents.frames_path = path + "/depth";
   contents.table_path = path + "/odometry.csv";
-  contents.sensor = SensorKind::time_of_flight;
-  if (exists(path + "/confidence")) contents.confidence_path = path + "/confidence";
-  const auto size = depth_size(contents.frames_path);
+  if (file_exists(path + "/confidence")) contents.confidence_path = path + "/confidence";
+  auto size = first_depth_size(contents.frames_path);
   if (!size) return size.error();
-  const auto [width, height] = std::pair(size->first.width, size->first.height);
-  std::vector<PoseRow> rows;
-  if (exists(contents.table_path)) {
+  recording.size = std::move(*size);
+  if (file_exists(contents.table_path)) {
     auto read = read_pose_rows(contents.table_path, PoseTable::odometry_csv);
     if (!read) return read.error();
-    rows = std::move(*read);
-    if (rows.empty())
+    recording.rows = std::move(*read);
+    if (recording.rows.empty())
       return Error{ErrorCode::corrupt, contents.table_path + " has no row; copy the whole recording again"};
   }
-  // Pictures that somebody has turned upright are 3 wide and 4 high.
-  const int turned = width < height ? kPortraitDeg : 0;
-  contents.camera_path = options.camera_yaml_path.empty() ? path + "/camera_matrix.csv" : options.camera_yaml_path;
-  if (!options.camera_yaml_path.empty()) {
-    auto given = load_camera_yaml(options.camera_yaml_path);
-    if (!given) return given.error();
-    contents.camera = *given;
-  } else {
-    const std::string& matrix_path = contents.camera_path;
-    const auto matrix = read_matrix(matrix_path);
+  recording.lens_path = path + "/camera_matrix.csv";
+  if (options.camera_yaml_path.empty()) {
+    const auto matrix = read_matrix(recording.lens_path);
     if (!matrix && matrix.error().code == ErrorCode::not_found)
       return Error{ErrorCode::not_found,
-                   matrix_path + " is missing; copy the whole recording again, or give --camera FILE"};
+                   recording.lens_path + " is missing; copy the whole recording again, or give --camera FILE"};
     if (!matrix) return matrix.error();
-    const int wide = std::max(width, height), high = std::min(width, height);
-    if (wide * kColourHeight != high * kColourWidth)
-      return Error{ErrorCode::invalid_argument, size->second + " is " + std::to_string(width) + "x" +
-                                                    std::to_string(height) +
-                                                    ", expected sides of 4 to 3 as the picture of camera_matrix.csv "
-                                                    "has; copy the recording again, or give --camera FILE"};
-    const auto k = scaled(mean_lens(rows, *matrix), wide, high, matrix_path);
-    if (!k) return k.error();
-    contents.camera.intrinsics = rotate_upright(*k, turned);
-    contents.camera.origin = IntrinsicsOrigin::recording;
+    recording.colour_lens = *matrix;
   }
-  const int held_deg = rows.empty() ? kPortraitDeg : upright_rotation(down_seen(rows.front().pose));
-  if (!contents.camera.rotate_deg) contents.camera.rotate_deg = (held_deg - turned + 360) % 360;
-  take_rows(rows, turned, contents);
-  contents.frame_ns = kFrameNs;
-  FolderOptions with_contents = options;
-  with_contents.contents = &contents;
-  return FolderSource::open(path, with_contents);
+  return open_phone_recording(std::move(recording), options);
 }
 
 }  // namespace im2fit::hal

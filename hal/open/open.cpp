@@ -5,7 +5,10 @@
 
 #include "hal/folder/camera_yaml.h"
 #include "hal/folder/depth_folder.h"
+#include "hal/folder/other_recordings.h"
+#include "hal/folder/scanner_3d_app.h"
 #include "hal/folder/stray_scanner.h"
+#include "hal/folder/tum_folder.h"
 #if IM2FIT_HAVE_OPENNI2
 #include "hal/openni2/finder.h"
 #include "hal/openni2/oni_source.h"
@@ -44,15 +47,28 @@ Result<std::unique_ptr<Source>> open_folder(const std::string& path, const OpenO
   wanted.rotate_deg = options.rotate_deg;
   wanted.camera_yaml_path = options.camera_yaml_path;
   wanted.unit_mm = options.unit_mm;
-  auto source = is_stray_scanner(path) ? open_stray_scanner(path, wanted) : FolderSource::open(path, wanted);
+  constexpr std::pair<bool (*)(const std::string&), decltype(&open_stray_scanner)> kRecorders[] = {
+      {is_stray_scanner, open_stray_scanner},
+      {is_scanner_3d_app, open_scanner_3d_app},
+      {is_tum_folder, open_tum_folder}};
+  for (const auto& [is_theirs, open] : kRecorders) {
+    if (!is_theirs(path)) continue;
+    auto source = open(path, wanted);
+    if (!source) return source.error();
+    return std::unique_ptr<Source>(std::move(*source));
+  }
+  auto source = FolderSource::open(path, wanted);
+  if (!source && source.error().code == ErrorCode::not_found)
+    if (auto other = other_folder(path)) return *other;
   if (!source) return source.error();
   return std::unique_ptr<Source>(std::move(*source));
 }
 
-[[maybe_unused]] Result<std::optional<CameraFile>> calibration(const std::string& path, bool must_exist) {
+[[maybe_unused]] Result<std::optional<CameraFile>> calibration(const std::string& path, bool must_exist,
+                                                               PictureSize pictures = {}) {
   std::error_code code;
   if (path.empty() || (!must_exist && !std::filesystem::exists(path, code))) return std::optional<CameraFile>{};
-  auto file = load_camera_yaml(path);
+  auto file = load_camera_yaml(path, pictures);
   if (!file) return file.error();
   return std::optional<CameraFile>{*file};
 }
@@ -69,7 +85,7 @@ void take_calibration(const std::optional<CameraFile>& file, const OpenOptions& 
 
 #if IM2FIT_HAVE_USB
 Result<std::unique_ptr<Source>> open_usb(const std::string& device, const OpenOptions& options) {
-  const auto file = calibration(options.camera_yaml_path, true);
+  const auto file = calibration(options.camera_yaml_path, true, {options.width, options.height});
   if (!file) return file.error();
   KinectOptions wanted;
   take_calibration(*file, options, wanted);
@@ -97,7 +113,7 @@ Result<std::vector<DeviceEntry>> list_usb() {
 
 #if IM2FIT_HAVE_OPENNI2
 Result<OpenNi2Options> camera_options(const OpenOptions& options) {
-  const auto file = calibration(options.camera_yaml_path, true);
+  const auto file = calibration(options.camera_yaml_path, true, {options.width, options.height});
   if (!file) return file.error();
   OpenNi2Options wanted;
   wanted.width = options.width;
@@ -176,7 +192,7 @@ Result<std::vector<DeviceEntry>> list_openni2() {
 
 #if IM2FIT_HAVE_V4L2
 Result<std::unique_ptr<Source>> open_v4l2(const std::string& device, const OpenOptions& options) {
-  const auto file = calibration(options.camera_yaml_path, true);
+  const auto file = calibration(options.camera_yaml_path, true, {options.width, options.height});
   if (!file) return file.error();
   V4l2Options defaults;
   defaults.width = options.width;
@@ -229,6 +245,7 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
             " does not exist; expected openni2[:URI], usb[:SERIAL], v4l2[:NODE], synthetic[:SEED], a .oni file "
             "or the folder of a recording"};
   if (is_oni(uri)) return open_recording(uri, options);
+  if (auto other = other_recording(uri)) return *other;
   return Error{ErrorCode::unsupported,
                uri + " is neither a folder nor a .oni file; expected a depth folder or an OpenNI2 recording"};
 }

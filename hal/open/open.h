@@ -26,7 +26,8 @@ struct OpenOptions {
 };
 
 // `uri`: openni2[:URI] | usb[:SERIAL] | v4l2[:/dev/videoN][?key=value&...] | PATH.oni | DEPTH_FOLDER |
-// STRAY_SCANNER_FOLDER | synthetic[:seed].
+// STRAY_SCANNER_FOLDER | SCANNER_APP_FOLDER | TUM_FOLDER | synthetic[:seed]. A recording of another make is refused
+// with the command that converts it (hal/folder/other_recordings.h).
 Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOptions& options = {});
 
 // Opens the live camera `uri` repeatedly, without the leak of its library at each initialisation. Empty when `uri` is

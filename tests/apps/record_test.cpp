@@ -70,6 +70,46 @@ TEST_F(Record, KeepsThePosesOfACameraThatMoves) {
   EXPECT_EQ(test::read_text(folder_.path("out") + "/poses.csv"), poses);
 }
 
+// A recording of Stray Scanner becomes a depth folder with its poses, and a .oni, which has no place for them.
+TEST_F(Record, ConvertReportsWhatTheTargetHasNoPlaceFor) {
+  const std::string stray = folder_.path("stray");
+  std::filesystem::create_directories(stray);
+  std::filesystem::rename(folder_.path("in"), stray + "/depth");
+  std::filesystem::remove(stray + "/depth/camera.yaml");
+  std::ofstream(stray + "/camera_matrix.csv") << "1400, 0, 960\n0, 1400, 720\n0, 0, 1\n";
+  std::ofstream table(stray + "/odometry.csv");
+  table << "timestamp, frame, x, y, z, qx, qy, qz, qw\n";
+  for (int i = 0; i < 30; ++i) table << 5 + i << ", " << i << ", 0, 1, 0, 1, 0, 0, 0\n";
+  table.close();
+  const auto convert = [&](const std::string& out) {
+    return test::run_program({test::kProgram, "convert", stray, folder_.path(out), "--json"});
+  };
+  const auto to_folder = convert("folder");
+  ASSERT_EQ(to_folder.exit_code, 0) << to_folder.err;
+  const auto folder = nlohmann::json::parse(to_folder.out);
+  EXPECT_EQ(folder["frames"], 30);
+  EXPECT_EQ(folder["not_kept"], nlohmann::json::array());
+  EXPECT_NE(test::read_text(folder_.path("folder") + "/poses.csv"), "");
+  const auto to_oni = convert("file.oni");
+  ASSERT_EQ(to_oni.exit_code, 0) << to_oni.err;
+  EXPECT_EQ(nlohmann::json::parse(to_oni.out)["not_kept"], (nlohmann::json{"poses", "gravity"}));
+  // The frames are the same.
+  for (const char* name : {"folder", "file.oni"}) {
+    auto source = hal::open_source(folder_.path(name));
+    ASSERT_TRUE(source) << source.error().message;
+    std::vector<std::uint16_t> pixels(std::size_t{kWidth} * kHeight);
+    ASSERT_TRUE((*source)->start());
+    for (int i = 0; i < 30; ++i) ASSERT_TRUE((*source)->next(DepthImage(pixels.data(), kWidth, kHeight), 5000)) << i;
+    EXPECT_EQ(pixels.front(), 1029) << name;
+  }
+  const auto again = convert("file.mkv");
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_THAT(again.err, testing::HasSubstr(".mkv files are not written"));
+  const auto camera = test::run_program({test::kProgram, "convert", "synthetic:1", folder_.path("endless")});
+  EXPECT_EQ(camera.exit_code, 1);
+  EXPECT_THAT(camera.err, testing::HasSubstr("never ends; record it"));
+}
+
 // The person stands still while the camera is carried round: seen from the place at rest the hips stay where they
 // are, with the sway of one who stands, and the camera goes all round them.
 TEST(RenderedWalk, PosesSayWhereTheCameraWas) {

@@ -2,6 +2,7 @@
 // im2fit tape list and show, and a tape of one's own in a measurement.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -135,6 +136,54 @@ TEST(Tape, AMeasurementCarriesThemAll) {
                                              : result["body"]["residual_mm"][id].get<double>();
       EXPECT_NEAR(values[id]["value"].get<double>(), said["value"].get<double>() + residual, 0.11) << id;
     }
+    return;
+  }
+  FAIL() << "none of nine people was measured";
+}
+
+// Files of pattern makers, read by other words than those that write them: values equal result.json's.
+TEST(Tape, ExportsHaveTheResultsValues) {
+  IM2FIT_NEED_DATA();
+  const test::TestFolder folder;
+  write_text(folder.path("mine.yaml"), kMine);
+  for (int seed = 41; seed < 50; ++seed) {
+    const std::string out = folder.path("out");
+    const test::Run run =
+        test::measure("synthetic:" + std::to_string(seed), out,
+                      {"--frames", "5", "--only", "result", "--tape", folder.path("mine.yaml"), "--export-unit", "in",
+                       "--export", folder.path("a.smis"), "--export", folder.path("a.json"), "--export",
+                       folder.path("a.yaml"), "--export", folder.path("a.csv")});
+    if (run.exit_code == 3) continue;  // this person got guidance first
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const auto result = nlohmann::json::parse(test::read_text(out + "/result.json"))["tape"];
+    const auto mm = [&](const char* id) { return result[id]["value"].get<double>(); };
+    const auto sewing = nlohmann::json::parse(test::read_text(folder.path("a.json")));
+    EXPECT_GE(sewing.size(), 25U);
+    EXPECT_NEAR(sewing["waist"], mm("waist_girth"), 0.11);
+    EXPECT_NEAR(sewing["seat"], mm("hip_girth"), 0.11);
+    EXPECT_NEAR(sewing["waistToHips"], mm("waist_height") - mm("high_hip_height"), 0.21);
+    // The number behind a text, from a text on.
+    const auto after = [](const std::string& text, const std::string& head) {
+      const auto at = text.find(head);
+      EXPECT_NE(at, std::string::npos) << head;
+      return at == std::string::npos ? 0 : std::atof(text.c_str() + at + head.size());
+    };
+    const std::string seamly = test::read_text(folder.path("a.smis"));
+    EXPECT_THAT(seamly, testing::HasSubstr("<unit>inch</unit>"));
+    EXPECT_NEAR(after(seamly, "name=\"waist_circ\" value=\"") * 25.4, mm("waist_girth"), 0.11);
+    EXPECT_NEAR(after(seamly, "name=\"leg_crotch_to_floor\" value=\"") * 25.4, mm("inside_leg"), 0.11);
+    const std::string garment_code = test::read_text(folder.path("a.yaml"));
+    EXPECT_NEAR(after(garment_code, "\n  hips: ") * 10, mm("hip_girth"), 0.11);
+    EXPECT_NEAR(after(garment_code, "\n  head_l: ") * 10, mm("stature") - mm("cervical_height"), 0.21);
+    EXPECT_NEAR(after(garment_code, "\n  back_width: ") / after(garment_code, "\n  bust: "), 0.47752, 1e-3);
+    const std::string table = test::read_text(folder.path("a.csv"));
+    EXPECT_NEAR(after(table, "\nmy_rise,") * 25.4, mm("my_rise"), 0.11);
+    EXPECT_NEAR(after(table, "\nweight,"), mm("weight"), 0.01);
+    EXPECT_EQ(static_cast<std::size_t>(std::count(table.begin(), table.end(), '\n')), result.size() + 1);
+    // Another ending is refused before anything is measured.
+    const test::Run refused = test::run_program({test::kProgram, "measure", "synthetic:1", "--export", "a.pdf"});
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_THAT(refused.err, testing::HasSubstr("a.pdf: expected .smis (Seamly2D)"));
     return;
   }
   FAIL() << "none of nine people was measured";

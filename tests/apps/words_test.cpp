@@ -147,7 +147,15 @@ TEST(Words, TheTableFitsATerminalOfEightyColumns) {
 TEST(Words, HelpIsEverywhere) {
   const std::pair<const char*, std::vector<Words>> table[] = {
       {test::kProgram,
-       {{}, {"devices"}, {"measure"}, {"live"}, {"record"}, {"tape"}, {"tape", "list"}, {"tape", "show"}}},
+       {{},
+        {"devices"},
+        {"measure"},
+        {"live"},
+        {"record"},
+        {"convert"},
+        {"tape"},
+        {"tape", "list"},
+        {"tape", "show"}}},
       {test::kLab,
        {{},
         {"fetch"},

@@ -143,6 +143,25 @@ TEST(ResultJson, SaysWhatTheResultSays) {
 }
 
 // Lengths may be off by more; a girth off by 2 mm is reported.
+TEST(ResultJson, AChartOfSeveralMeasurementsGivesItsReason) {
+  PersonMeasurement person = measured_report();
+  const auto chart =
+      parse_size_chart("Size,Chest (cm),Waist (cm),Knee (cm)\nS,86-94,71-79,36\nM,94-102,79-87,38\n", "c");
+  ASSERT_TRUE(chart) << chart.error().message;
+  const auto lookup = [](std::string_view id) {
+    return id == "knee_girth" ? std::optional<index::IntervalEstimate>()
+                              : index::IntervalEstimate{id == "chest_girth" ? 980.0F : 780.0F, 770, 790};
+  };
+  person.size = size_answer({*chart, *chart}, lookup, 0);
+  const json v = json::parse(result_json(person));
+  EXPECT_THAT(test::SchemaCheck(schema()).run(v), testing::IsEmpty());
+  EXPECT_EQ(v["size"]["best"], "M");
+  EXPECT_EQ(v["size"]["reason"]["other"]["size"], "S");
+  EXPECT_EQ(v["size"]["reason"]["other"]["region"], "chest_girth");
+  EXPECT_EQ(v["size"]["reason"]["sizes"]["M"]["waist_girth"]["ease_mm"], 50.0);
+  EXPECT_EQ(v["size"]["left_out"], json({"knee_girth"}));
+}
+
 TEST(ResultJson, ABodyThatMeasuresSomethingElseIsSaidToDoSo) {
   PersonMeasurement report = measured_report();
   report.body->fit.residual[measurement_index(Measurement::inside_leg)] = 5;

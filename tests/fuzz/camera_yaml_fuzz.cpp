@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// camera.yaml as a user may have written it: refused with one line, or a calibration a picture can be made upright
-// with.
+// A calibration as a user or a camera's maker may have written it: refused with one line, or one that a picture can
+// be made upright with.
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -10,7 +10,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);
-  const auto file = im2fit::hal::parse_camera_yaml(text, "camera.yaml");
+  const auto file = im2fit::hal::parse_camera_yaml(text, "camera.yaml", {32, 24});
   if (!file) {
     if (file.error().message.empty() || file.error().message.find('\n') != std::string::npos) __builtin_trap();
     return 0;

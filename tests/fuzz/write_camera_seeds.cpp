@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sound input for the fuzzers of cameras, of texts and of the page to start from: write_camera_seeds DIRECTORY makes
-// camera_yaml/, oni_protocol/, depth_picture/, folder_times/, pose_table/, size_chart/ and http/.
+// camera_yaml/, oni_protocol/, depth_picture/, folder_times/, pose_table/, recorder_text/, size_chart/ and http/.
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -54,6 +54,29 @@ int main(int argc, char** argv) {
   const std::pair<const char*, std::string> kSeeds[] = {
       {"camera_yaml/plain", hal::camera_yaml_text(plain, "camera")},
       {"camera_yaml/bent", hal::camera_yaml_text(bent, "camera") + "im2fit_oni_crc32c: \"0123abcd\"\n"},
+      {"camera_yaml/xml",
+       "<?xml version=\"1.0\"?>\n<opencv_storage>\n<image_width>32</image_width>\n<image_height>24</image_height>\n"
+       "<M1 type_id=\"opencv-matrix\"><rows>3</rows><cols>3</cols><data>\n30 0. 15. 0. 30 11 0 0 1</data></M1>\n"
+       "<distortion_coefficients><data>0.1 0 0 0</data></distortion_coefficients></opencv_storage>\n"},
+      {"camera_yaml/realsense",
+       " Intrinsic of \"Depth\" / 32x24 / {Z16}\n  Width: \t32\n  Height: \t24\n  PPX: \t15\n  PPY: \t11\n  Fx: "
+       "\t30\n"
+       "  Fy: \t30\n  Distortion: \tBrown Conrady\n  Coeffs: \t0 \t0 \t0 \t0 \t0\n\n"},
+      {"camera_yaml/kinect",
+       "{\"CalibrationInformation\": {\"Cameras\": [{\"Intrinsics\": {\"ModelParameters\": [0.5, 0.5, 0.9, 1.2, 3, "
+       "2, 0.1, "
+       "3, 3, 0.6, 0, 0, 0.001, 0.002], \"ModelType\": \"CALIBRATION_LensDistortionModelBrownConrady\"}, "
+       "\"Location\": "
+       "\"CALIBRATION_CameraLocationD0\"}]}}"},
+      {"camera_yaml/orbbec",
+       "{\"depth_intrinsic\": {\"fx\": 30, \"fy\": 30, \"cx\": 15, \"cy\": 11, \"width\": 32, \"height\": 24}, "
+       "\"depth_distortion\": {\"k1\": 0.1, \"k2\": 0.2, \"p1\": 0.001, \"model\": \"Brown Conrady\"}, \"k3\": 0.1}"},
+      {"camera_yaml/kalibr",
+       "cam0:\n  camera_model: pinhole\n  intrinsics: [30, 30, 15, 11]\n  distortion_coeffs: [0.1, 0, 0, 0]\n"
+       "  distortion_model: radtan\n  resolution: [32, 24]\n"},
+      {"camera_yaml/matrix", "30, 0, 15\n0, 30, 11\n0, 0, 1\n"},
+      {"camera_yaml/record3d",
+       "{\"w\": 48, \"h\": 36, \"K\": [45, 0, 0, 0, 45, 0, 23, 17, 1], \"dw\": 32, \"dh\": 24, \"poses\": [[0]]}"},
       {"oni_protocol/whole", two_frames(true)},
       {"oni_protocol/unclosed", two_frames(false)},
       {"depth_picture/pgm", std::string("P5 4 2 65535\n") + std::string(16, '\x0B')},
@@ -70,8 +93,20 @@ int main(int argc, char** argv) {
       {"pose_table/matrix",
        "\x02"
        "1440.5, 0, 955.1\n0, 1440.5, 722.9\n0, 0, 1"},
+      {"recorder_text/frames",
+       std::string(1, '\0') + "# depth maps\n1305031102.160407 depth/1305031102.160407.png\n"},
+      {"recorder_text/poses", "\x01# x\n1305031102.1758 1.3405 0.6266 1.6575 0.6574 0.6126 -0.2949 -0.3248\n"},
+      {"recorder_text/frame",
+       "\x02{\"time\": 5, \"intrinsics\": [1443, 0, 955, 0, 1443, 722, 0, 0, 1], \"cameraPoseARFrame\": [0, 1, 0, "
+       "0.5, -1, "
+       "0, 0, 1.4, 0, 0, 1, 0, 0, 0, 0, 1]}"},
       {"size_chart/chart",
        "# name: A\n# sex: any\n# unit: mm\n# source: x\n# date: 2020\nsize;low_mm;high_mm\nS;860,5;940\n"},
+      {"size_chart/shop",
+       "Size,Chest (cm),Waist (in)\nS,86-94,\"31\"\nM,94\xE2\x80\x93"
+       "102,33\n"},
+      {"size_chart/trousers",
+       "# name: A\n# sex: men\n# unit: in\n# source: x\n# date: 1\nSize,waist,inseam\nW32/L34,32,34\n"},
       {"http/get", "GET /result.json HTTP/1.1\r\nHost: localhost:1\r\nAccept-Encoding: gzip\r\n\r\n"},
       {"http/foreign",
        "GET /events HTTP/1.1\r\nHost: 127.a.example\r\nOrigin: null\r\nSec-Fetch-Site: cross-site\r\n\r\n"},
