@@ -201,7 +201,7 @@ TEST_F(Company, APersonBesideIsNotLeftOut) {
     const Seen seen = watch(model(), pair.subject, pair.shot, {});
     tell("two people", i, seen);
     for (int k = 0; k < seen.result.user_count; ++k)
-      EXPECT_EQ(seen.result.users[static_cast<std::size_t>(k)].left_out, LeftOut::no) << i;
+      EXPECT_EQ(seen.result.users[static_cast<std::size_t>(k)].left_out, im2fit::LeftOut::no) << i;
   }
 }
 
