@@ -7,8 +7,9 @@
 #include "perception/segment/person_tracker.h"
 
 // The thresholds of this file: what each bounds and where it comes from. Sources:
-//   [sway]  40 pairs of a person and a mannequin (tests/evaluation/company_test.cpp): 0.3 to 0.8 mm of
-//   mannequins, 1.2 to 11 of people [rooms] chosen on synthetic rooms, no measurement on record
+//   [sway]  40 pairs of two rendered people (tests/evaluation/company_test.cpp): within 2.3 s those without
+//           sway spread by 0.2 to 0.8 mm, those with by 1.2 to 11
+//   [rooms] chosen on synthetic rooms, no measurement on record
 namespace im2fit::left_out_limits {
 
 constexpr float kFeetMm = 300.0F;             // above the lowest cell: the feet; [rooms]

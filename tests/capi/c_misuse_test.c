@@ -94,13 +94,13 @@ static void errors_are_of_the_latest_call(void) {
   im2fit_handle* handle = open_with_fake_stages(&settings);
   im2fit_result result;
   CHECK(im2fit_select_user(handle, -5) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(strstr(im2fit_last_error(handle), "-5") != NULL);
+  CHECK(strcmp(im2fit_last_error(NULL), im2fit_last_error(handle)) == 0);
   CHECK(im2fit_set_region(handle, 500, 1000, -500, 3000) == IM2FIT_ERROR_INVALID_ARGUMENT);
   CHECK(strstr(im2fit_last_error(handle), "expected x0 < x1") != NULL);
   CHECK(im2fit_set_region(handle, -500, 1000, 30000, 3000) == IM2FIT_ERROR_INVALID_ARGUMENT);
   CHECK(im2fit_set_region(handle, -500, 1000, 500, 3000) == IM2FIT_OK);
   CHECK(im2fit_set_region(handle, 0, 0, 0, 0) == IM2FIT_OK);
-  CHECK(strstr(im2fit_last_error(handle), "-5") != NULL);
-  CHECK(strcmp(im2fit_last_error(NULL), im2fit_last_error(handle)) == 0);
   CHECK(im2fit_poll(handle, NULL, sizeof result) == IM2FIT_ERROR_INVALID_ARGUMENT);
   CHECK(strstr(im2fit_last_error(NULL), "result") != NULL);
   CHECK(im2fit_poll(NULL, &result, sizeof result) == IM2FIT_ERROR_INVALID_ARGUMENT);

@@ -249,6 +249,27 @@ TEST(ResultJson, ArmsCloseNamesTheArms) {
   EXPECT_EQ(v["guidance_details"], json::object()) << "few frames had the code";
 }
 
+TEST(ResultJson, WhoIsLeftOutIsNamedWithTheReason) {
+  PersonMeasurement report;
+  report.source = measured_report().source;
+  EngineResult& r = report.result;
+  r.frames_seen = 40;
+  r.guidance = static_cast<GuidanceSet>(Guidance::depth_missing);
+  r.user_count = 4;
+  for (int i = 0; i < r.user_count; ++i) {
+    r.users[static_cast<std::size_t>(i)].id = i + 1;
+    r.users[static_cast<std::size_t>(i)].confirmed = i != 3;  // the last may be furniture
+  }
+  r.users[1].left_out = LeftOut::still;
+  r.users[2].left_out = LeftOut::outside;
+  r.users[3].left_out = LeftOut::outside;
+  const json v = json::parse(result_json(report));
+  EXPECT_THAT(test::SchemaCheck(schema()).run(v), testing::IsEmpty());
+  EXPECT_EQ(v["guidance"], json({"DEPTH_MISSING"}));
+  EXPECT_EQ(v["guidance_details"]["left_out"],
+            json::parse(R"([{"user": 2, "reason": "still"}, {"user": 3, "reason": "outside"}])"));
+}
+
 TEST(ResultJson, AnUnmeasuredResultMeetsTheSchemaAndGuides) {
   PersonMeasurement report;
   report.source = measured_report().source;
