@@ -152,6 +152,13 @@ std::string bare(std::string_view text) {
   return std::string(text.substr(first, text.find_last_not_of(" \t") - first + 1));
 }
 
+// "86 cm" in a column of centimetres.
+std::string without_unit(const std::string& cell, const Unit& unit) {
+  const std::size_t end = cell.find_last_of("0123456789");
+  if (end == std::string::npos) return cell;
+  return unit_named(bare(cell.substr(end + 1))) == &unit ? cell.substr(0, end + 1) : cell;
+}
+
 class ChartParser {
  public:
   ChartParser(std::string_view text, const std::string& what) : what_(what), csv_(text, what) {}
@@ -296,7 +303,7 @@ class ChartParser {
     const std::string field = field_of(column.measure, column.bound);
     const std::string words = unit.mm == 1 ? "millimetres" : unit.mm == kMmPerCm ? "centimetres" : "inches";
     double number = 0;
-    if (!csv_.number(cell, number) || !(number > 0))
+    if (!csv_.number(without_unit(cell, unit), number) || !(number > 0))
       return error(field, "is '" + excerpt(cell) + "', expected " + words);
     const bool girth = column.id == "chest_girth" || column.id == "waist_girth" || column.id == "hip_girth";
     const double least = girth ? kGirthMinMm : kLengthMinMm;

@@ -269,9 +269,9 @@ class WordsReader {
       words_.model = model.Scalar();
       break;
     }
-    const YAML::Node list =
-        take({"distortioncoefficients", "distortioncoeffs", "distcoeffs", "distcoefficients", "d", "coeffs",
-              "coefficients", "depthdistortion", "depthdistort", "distortion", "distort", "distortionparams"});
+    const YAML::Node list = take({"distortioncoefficients", "distortioncoeffs", "distcoeffs", "distcoefficients",
+                                  "distortioncoeff", "distcoeff", "d", "coeffs", "coefficients", "depthdistortion",
+                                  "depthdistort", "distortion", "distort", "distortionparams"});
     if (!list.IsDefined()) return take_named(YAML::Node());
     if (is_group(list)) return take_named(list);
     const bool is_list = list.IsMap() ? entry_of(list, {"data"}).IsSequence() : list.IsSequence();

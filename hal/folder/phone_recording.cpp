@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 
 #include "core/file.h"
@@ -28,12 +29,18 @@ PinholeLens mean_lens(const std::vector<PoseRow>& rows, const PinholeLens& matri
   return sum;
 }
 
+// For messages: a file may have any number.
+std::string whole(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
 // Of depth pictures as the phone stores them, in landscape.
 Result<Intrinsics> scaled(const PinholeLens& lens, int width, int height, const std::string& matrix_path) {
   if (!is_centred(lens, kPhoneColourWidth, kPhoneColourHeight))
     return Error{ErrorCode::invalid_argument,
-                 matrix_path + " has its centre at (" + std::to_string(static_cast<int>(lens[2])) + ", " +
-                     std::to_string(static_cast<int>(lens[3])) +
+                 matrix_path + " has its centre at (" + whole(lens[2]) + ", " + whole(lens[3]) +
                      "), expected near (960, 720) of a 1920x1440 picture; give the depth camera's calibration by "
                      "--camera FILE"};
   const PinholeLens own = scaled_lens(lens, static_cast<double>(width) / kPhoneColourWidth);

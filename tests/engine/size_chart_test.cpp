@@ -229,7 +229,8 @@ TEST(SizeChart, UnitsAndNamesOfShopsAreRead) {
        {"# unit: mm\nsize,low_mm,high_mm\nS,914.4,965.2\nM,965.2,1016\n",
         "# unit: cm\nsize,low_cm,high_cm\nS,91.44,96.52\nM,96.52,101.6\n",
         "# unit: in\nsize,low,high\nS,36,38\nM,38,40\n", "# unit: inches\nSize,Bust\nS,36-38\nM,38-40\n",
-        "Size,Chest (in)\nM,38 - 40\nS,36 to 38\n", "Size;Chest girth [cm]\nM;96,52–101,6\nS;91,44–96,52\n",
+        "Size,Chest (in)\nM,38 - 40\nS,36 to 38\n", "Size,Chest (in)\nM,38in-40 in\nS,36-38\n",
+        "Size;Chest girth [cm]\nM;96,52–101,6\nS;91,44–96,52\n",
         "# unit: in\nsize,chest_min,chest_max\nM,38,40\nS,36,38\n"}) {
     const bool plain = text[0] == 'S';
     const SizeChart chart = chart_of(plain ? text : kHead + text);

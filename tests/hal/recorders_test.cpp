@@ -253,6 +253,9 @@ TEST_F(ScannerApp, WhatIsWrongIsNamedInOneLine) {
     frame(1, matrix);
     EXPECT_TRUE(contains(refused(), words)) << refused();
   }
+  for (int i = 0; i < 3; ++i) frame(i, "", "1443, 0, 1e30, 0, 1443, 722, 0, 0, 1");
+  EXPECT_TRUE(contains(refused(), "has its centre at (1e+30, 722)")) << refused();
+  frame(0);
   frame(1, "", "1, 2, 3");
   EXPECT_TRUE(contains(refused(), "intrinsics is missing or not a 3 x 3 matrix")) << refused();
   put(path("frame_00001.json"), "{\"time\": ");
