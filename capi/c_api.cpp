@@ -43,6 +43,7 @@ static_assert(IM2FIT_GUIDANCE_CALIBRATION_POSE == static_cast<int>(im2fit::Guida
 static_assert(IM2FIT_GUIDANCE_TURN_ROUND == static_cast<int>(im2fit::Guidance::turn_round));
 static_assert(IM2FIT_GUIDANCE_CLOTHED == static_cast<int>(im2fit::Guidance::clothed));
 static_assert(IM2FIT_GUIDANCE_WALK_ROUND == static_cast<int>(im2fit::Guidance::walk_round));
+static_assert(IM2FIT_GUIDANCE_HEAD_UNSEEN == static_cast<int>(im2fit::Guidance::head_unseen));
 static_assert(IM2FIT_TURN_WALK == static_cast<int>(im2fit::Turn::walk));
 static_assert(IM2FIT_CLOTHING_DRESSED == static_cast<int>(im2fit::ClothingGiven::dressed));
 // No padding at the end, which callers never set: a field that comes later would be read from it.

@@ -326,8 +326,10 @@ std::string_view name_of(hal::IntrinsicsOrigin origin) {
 }
 
 GuidanceSet reported_guidance(const EngineResult& result) {
-  if (result.measured) return result.guidance & static_cast<GuidanceSet>(Guidance::clothed);
-  GuidanceSet set = result.guidance;
+  if (result.measured)
+    return result.guidance &
+           (Guidance::clothed | Guidance::feet_raised | static_cast<GuidanceSet>(Guidance::head_unseen));
+  GuidanceSet set = result.guidance | result.plausibility.refused;
   for (std::size_t i = 0; i < kGuidanceCount; ++i)
     if (result.guidance_frames[i] > 0 && 2 * std::uint64_t{result.guidance_frames[i]} >= result.frames_seen)
       set |= 1U << i;
@@ -354,6 +356,30 @@ ArmSet reported_arms(const EngineResult& result) {
   for (std::size_t arm = 0; arm < kArmCount; ++arm)
     if (2 * std::uint64_t{result.arms_close_frames[arm]} >= said) set |= 1U << arm;
   return set;
+}
+
+namespace {
+
+// What was measured for each code reported.
+Json details_json(const EngineResult& r, GuidanceSet codes, ArmSet arms) {
+  Json details = Json::object();
+  if (arms != 0) details["arms_close"] = names_of_arms(arms);
+  const Plausibility& p = r.plausibility;
+  const GuidanceSet judged = (p.refused | p.beside) & codes;
+  if (has(judged, Guidance::not_upright)) details["not_upright"] = {{"knees_deg", rounded(p.knees_deg, kTenths)}};
+  if (has(codes, Guidance::out_of_population) && std::isfinite(p.seen_stature_mm))
+    details["out_of_population"] = {
+        {"stature_mm", rounded(p.seen_stature_mm, 1)}, {"from_mm", kSeenStatureMinMm}, {"to_mm", kSeenStatureMaxMm}};
+  if (has(judged, Guidance::floor_bent)) details["floor_bent"] = {{"bend", rounded(p.floor_bend, kThousandths)}};
+  if (has(judged, Guidance::feet_raised)) details["feet_raised"] = {{"ground_mm", rounded(p.ground_mm, 1)}};
+  if (has(judged, Guidance::head_unseen)) details["head_unseen"] = {{"added_mm", rounded(p.crown_missing_mm, 1)}};
+  return details;
+}
+
+}  // namespace
+
+std::string guidance_details_json(const EngineResult& result, GuidanceSet codes, ArmSet arms) {
+  return details_json(result, codes, arms).dump();
 }
 
 std::string fit_json(const GarmentFit& fit) {

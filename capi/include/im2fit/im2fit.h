@@ -448,9 +448,17 @@ typedef enum im2fit_guidance {
   IM2FIT_GUIDANCE_CLOTHED = 1 << 14,          /* measured, but dressed although settings.clothing is BARE */
   IM2FIT_GUIDANCE_TURN_ON = 1 << 15,     /* turn on the spot, slowly, all round. The person cannot see a screen */
   IM2FIT_GUIDANCE_TURN_SLOWER = 1 << 16, /* the same, and slower */
-  IM2FIT_GUIDANCE_WALK_ROUND = 1 << 17   /* to who holds the camera: walk on round the person */
+  IM2FIT_GUIDANCE_WALK_ROUND = 1 << 17,  /* to who holds the camera: walk on round the person */
+  /* Not measured: the person is unlike all whom the models were learned from, by stature or proportions. */
+  IM2FIT_GUIDANCE_OUT_OF_POPULATION = 1 << 18,
+  /* Not measured: the depth shows a flat floor curved. Its lens, or the kind of its distances, is not as told. */
+  IM2FIT_GUIDANCE_FLOOR_BENT = 1 << 19,
+  /* Beside an answer: the feet stand on something above the floor; heights count from there. */
+  IM2FIT_GUIDANCE_FEET_RAISED = 1 << 20,
+  /* Beside an answer: the top of the head has no depth; the interval of the stature is wider upwards. */
+  IM2FIT_GUIDANCE_HEAD_UNSEEN = 1 << 21
 } im2fit_guidance;
-#define IM2FIT_GUIDANCE_COUNT 18
+#define IM2FIT_GUIDANCE_COUNT 22
 
 /* The arms, the person's own left and right: bits. */
 typedef enum im2fit_arm { IM2FIT_ARM_LEFT = 1 << 0, IM2FIT_ARM_RIGHT = 1 << 1 } im2fit_arm;

@@ -30,7 +30,15 @@ enum class Guidance {
     /** The same, and slower. */
     TURN_SLOWER,
     /** To who holds the phone: walk on round the person. */
-    WALK_ROUND;
+    WALK_ROUND,
+    /** Not measured: the person is unlike those that the models were learned from. */
+    OUT_OF_POPULATION,
+    /** Not measured: the floor is curved in the depth. The camera's lens or its kind of distance is not as told. */
+    FLOOR_BENT,
+    /** The feet stand on something above the floor; heights count from there. */
+    FEET_RAISED,
+    /** The top of the head has no depth; heights are less certain upwards. */
+    HEAD_UNSEEN;
 
     /** What to say to the person, in at most six words: "Step back". [language]: "en", "de", "es", "fr" or "zh". */
     @JvmOverloads
