@@ -392,8 +392,9 @@ std::string result_json(const PersonMeasurement& person, const std::optional<Res
   json["schema"] = std::string(kResultSchema);
   json["state"] = std::string(name_of(r.state));
   json["guidance"] = names_of(reported_guidance(person));
-  json["guidance_details"] = Json::object();
-  if (const ArmSet arms = reported_arms(r); arms != 0) json["guidance_details"]["arms_close"] = names_of_arms(arms);
+  json["guidance_details"] = details_json(r, reported_guidance(person), reported_arms(r));
+  if (person.diagnosis.code != hal::DiagnosisCode::none)
+    json["diagnosis"] = {{"code", std::string(hal::name_of(person.diagnosis.code))}, {"text", person.diagnosis.text}};
   json["frames"] = {{"seen", r.frames_seen},
                     {"used", r.frames_used},
                     {"dropped", r.frames_dropped},

@@ -11,7 +11,6 @@
 #include "body/measure.h"
 #include "core/file.h"
 #include "garment/drape/wear.h"
-#include "hal/depth_diagnosis.h"
 #include "person/dressing.h"
 #include "report/overlay.h"
 #include "report/text_table.h"
@@ -285,11 +284,17 @@ std::string wanted_words(const SessionOutcome& outcome, const SessionOptions& op
                      std::min(EngineSettings{}.frames_min, options.frames));
 }
 
-// For frames in which no person was found: the kind of picture, when it cannot be a room in millimetres; else the
-// requirement for one.
+// What a code leaves open. Of frames in which no person was found: the kind of picture, when it cannot be a room in
+// millimetres; else the requirement for one.
 std::string depth_words(const SessionOutcome& outcome) {
-  if (!has(reported_guidance(outcome.person), Guidance::no_person)) return "";
-  const std::string diagnosis = hal::depth_diagnosis(outcome.shown->depth());
+  const GuidanceSet guidance = reported_guidance(outcome.person);
+  if (has(guidance, Guidance::floor_bent))
+    return "; the depth shows the floor curved: are these distances from the camera, or is the lens not undone?";
+  if (has(guidance, Guidance::out_of_population))
+    return fmt::format("; people of {:.2f} to {:.2f} m are measured", kSeenStatureMinMm / 1000,
+                       kSeenStatureMaxMm / 1000);
+  if (!has(guidance, Guidance::no_person)) return "";
+  const std::string& diagnosis = outcome.person.diagnosis.text;
   // Legs and hips may be furniture: without the chest no person is found.
   return "; " + (diagnosis.empty() ? "the picture must reach from the floor to above the head" : diagnosis);
 }

@@ -182,6 +182,22 @@ TEST_F(Limits, ACrownWithoutDepthIsToldAndTheIntervalReachesIt) {
   }
 }
 
+// Fifths and quarters make a room, too; in one of them the man is of usual height.
+TEST_F(Limits, ValuesOfAnotherUnitAreNamedByTheUnitThatWorks) {
+  for (const auto& [factor, unit] : {std::pair(5.0F, "0.2"), {4.0F, "0.25"}, {2.0F, "0.5"}}) {
+    show([factor = factor](const Pixel& p) { return factor * p.point.z; });
+    const std::string out = folder_.path("out");
+    const test::Run run = test::measure(folder_.path("clip"), out, {"--only", "result"});
+    EXPECT_EQ(run.exit_code, 3);
+    EXPECT_THAT(run.err, testing::HasSubstr(std::string("try --unit ") + unit + "\n"));
+    const auto result = nlohmann::json::parse(test::read_text(out + "/result.json"), nullptr, false);
+    EXPECT_EQ(result["diagnosis"]["code"], "UNIT");
+    EXPECT_THAT(run.err, testing::HasSubstr(result["diagnosis"]["text"].get<std::string>()));
+    const test::Run right = test::measure(folder_.path("clip"), out, {"--only", "result", "--unit", unit});
+    EXPECT_EQ(right.exit_code, 0) << right.err;
+  }
+}
+
 // Pictures that people found in the field (IM2FIT_SHARED).
 TEST_F(Limits, TheCasesFoundAreRefusedOrRight) {
   const char* given = std::getenv("IM2FIT_SHARED");

@@ -46,6 +46,21 @@ enum class Guidance {
         requireNotNull(Native.text(Native.guidanceText(ordinal, language.toByteArray()))) { "no language '$language'" }
 }
 
+/** What is wrong with frames in which no person is found. Order of IM2FIT_DIAGNOSIS_... */
+enum class DiagnosisCode {
+    NONE, LITTLE_DEPTH, RAW_DISPARITY, BYTES_SWAPPED, PLAYER_BITS, CONFIDENCE_BITS, FLOAT_VALUES, NO_DEPTH_PICTURE, UNIT,
+    ROTATED, CENTRE, FIELD_OF_VIEW
+}
+
+/**
+ * Why a frame shows no person.
+ *
+ * @property text what it looks like and what to do, as the programs print it, in English; "" for NONE
+ * @property unitMm of UNIT and PLAYER_BITS: millimetres per unit; 0: not known
+ * @property rotateDeg of ROTATED: the rotation that makes the picture upright
+ */
+data class Diagnosis(val code: DiagnosisCode, val text: String, val unitMm: Float, val rotateDeg: Int)
+
 /**
  * The pixels of the person in a frame, to draw over the picture.
  *
