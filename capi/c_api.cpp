@@ -43,6 +43,7 @@ static_assert(IM2FIT_GUIDANCE_CALIBRATION_POSE == static_cast<int>(im2fit::Guida
 static_assert(IM2FIT_GUIDANCE_TURN_ROUND == static_cast<int>(im2fit::Guidance::turn_round));
 static_assert(IM2FIT_GUIDANCE_CLOTHED == static_cast<int>(im2fit::Guidance::clothed));
 static_assert(IM2FIT_GUIDANCE_WALK_ROUND == static_cast<int>(im2fit::Guidance::walk_round));
+static_assert(IM2FIT_GUIDANCE_HEAD_UNSEEN == static_cast<int>(im2fit::Guidance::head_unseen));
 static_assert(IM2FIT_GUIDANCE_STEP_TO_THE_MIDDLE == static_cast<int>(im2fit::Guidance::step_to_the_middle));
 static_assert(IM2FIT_GUIDANCE_DEPTH_MISSING == static_cast<int>(im2fit::Guidance::depth_missing));
 static_assert(IM2FIT_TURN_WALK == static_cast<int>(im2fit::Turn::walk));
@@ -422,8 +423,7 @@ const char* im2fit_state_name(int state) {
 }
 
 const char* im2fit_guidance_name(int bit) {
-  const char* name = name_at(im2fit::kGuidanceNames, bit);
-  return name != nullptr && *name != '\0' ? name : nullptr;
+  return name_at(im2fit::kGuidanceNames, bit);
 }
 
 const char* im2fit_measurement_name(int id) {

@@ -12,7 +12,7 @@ extern "C" const char* im2fit_guidance_text(int bit, const char* language) {
     if (im2fit::body::kTapeLanguages[i] != language) continue;
     const char* text = im2fit::c::kGuidanceTexts[i];
     for (int before = 0; before < bit; ++before) text += std::strlen(text) + 1;
-    return *text != '\0' ? text : nullptr;  // a bit without a code
+    return text;
   }
   return nullptr;
 }

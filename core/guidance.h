@@ -29,37 +29,23 @@ enum class Guidance : std::uint32_t {
   turn_on = 1U << 15,           // turn on the spot, slowly, all round: set by the session
   turn_slower = 1U << 16,       // the same, and slower
   walk_round = 1U << 17,        // to who holds the camera: walk on round the person
-  // Bits 18 to 22 are kept for codes about what is seen of the person.
-  step_to_the_middle = 1U << 23,  // one surface with a wall or a shelf that cannot be told apart
-  depth_missing = 1U << 24,       // a part of the body gives no depth: dark or shiny clothes
+  // After accumulation, by estimate/plausibility.h. No answer:
+  out_of_population = 1U << 18,  // unlike all whom the models were learned from
+  floor_bent = 1U << 19,         // the depth shows a flat floor curved
+  // Beside an answer:
+  feet_raised = 1U << 20,  // the feet stand above the floor; heights count from there
+  head_unseen = 1U << 21,  // the top of the head has no depth
+  // Of a frame:
+  step_to_the_middle = 1U << 22,  // one surface with a wall or a shelf that cannot be told apart
+  depth_missing = 1U << 23,       // a part of the body gives no depth: dark or shiny clothes
 };
 inline constexpr int kTooFarMm = 4000;  // people further away than this are too_far
-inline constexpr std::size_t kGuidanceCount = 25;
-inline constexpr std::array<std::string_view, kGuidanceCount> kGuidanceNames = {"NO_PERSON",
-                                                                                "TOO_NEAR",
-                                                                                "TOO_FAR",
-                                                                                "FEET_CUT",
-                                                                                "HEAD_CUT",
-                                                                                "ARMS_CLOSE",
-                                                                                "NOT_FRONTAL",
-                                                                                "NOT_UPRIGHT",
-                                                                                "MOVING",
-                                                                                "SEVERAL_PEOPLE",
-                                                                                "TOO_NOISY",
-                                                                                "SIDE_CUT",
-                                                                                "CALIBRATION_POSE",
-                                                                                "TURN_ROUND",
-                                                                                "CLOTHED",
-                                                                                "TURN_ON",
-                                                                                "TURN_SLOWER",
-                                                                                "WALK_ROUND",
-                                                                                "",
-                                                                                "",
-                                                                                "",
-                                                                                "",
-                                                                                "",
-                                                                                "STEP_TO_THE_MIDDLE",
-                                                                                "DEPTH_MISSING"};
+inline constexpr std::size_t kGuidanceCount = 24;
+inline constexpr std::array<std::string_view, kGuidanceCount> kGuidanceNames = {
+    "NO_PERSON",         "TOO_NEAR",    "TOO_FAR",     "FEET_CUT",       "HEAD_CUT",           "ARMS_CLOSE",
+    "NOT_FRONTAL",       "NOT_UPRIGHT", "MOVING",      "SEVERAL_PEOPLE", "TOO_NOISY",          "SIDE_CUT",
+    "CALIBRATION_POSE",  "TURN_ROUND",  "CLOTHED",     "TURN_ON",        "TURN_SLOWER",        "WALK_ROUND",
+    "OUT_OF_POPULATION", "FLOOR_BENT",  "FEET_RAISED", "HEAD_UNSEEN",    "STEP_TO_THE_MIDDLE", "DEPTH_MISSING"};
 using GuidanceSet = std::uint32_t;  // Guidance values or-ed
 constexpr GuidanceSet operator|(Guidance a, Guidance b) {
   return static_cast<GuidanceSet>(a) | static_cast<GuidanceSet>(b);

@@ -23,6 +23,7 @@
 #include "engine/pump.h"
 #include "estimate/age.h"
 #include "estimate/known_facts.h"
+#include "estimate/plausibility.h"
 #include "estimate/site_calibration.h"
 #include "hal/source.h"
 #include "index/index.h"
@@ -159,7 +160,9 @@ struct EngineResult {
   KnownFacts known;
   KnownOutcome known_outcome;
   std::array<index::IntervalEstimate, kMeasurementCount> unconditioned{};
-  body::SeenBody seen;        // as the answer: the body fitted to the pictures behind it
+  body::SeenBody seen;  // as the answer: the body fitted to the pictures behind it
+  // Of the last frames that were to be measured, also of those refused: `refused` holds until others are measured.
+  Plausibility plausibility;
   MeasurementValues paper{};  // NaN where not measured
   JointSet measured_joints;   // robust mean behind the answer: the front's
 };

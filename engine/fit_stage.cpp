@@ -126,8 +126,10 @@ void FitStage::process(const FrameSlot& slot) {
 
   ++result_.frames_seen;
   take_counts(slot.counts);
-  result_.guidance = step.guidance;
+  result_.guidance = step.guidance | still_refused(view);
   result_.arms_close = step.arms_close;
+  if (has(detection.guidance, Guidance::out_of_population))
+    result_.plausibility.seen_stature_mm = detection.height_mm;
   unfollowed_periods_ += slot.periods;
   if (step.follow && unfollowed_periods_ >= kFollowPeriods) follow(slot);
   const bool enough = step.use_frame && accumulate(slot);
@@ -140,6 +142,13 @@ void FitStage::process(const FrameSlot& slot) {
   result_.state = session_.state;
   count_accumulated();
   leaving_ = leaving_ || (one_after_another_ && session_.state == SessionState::measured);
+}
+
+// What a measurement was refused for is said until the same person is measured again; of another it says nothing.
+GuidanceSet FitStage::still_refused(const SessionView& view) {
+  if (result_.plausibility.refused == 0 || !view.found) return 0;
+  if (view.user != refused_user_) result_.plausibility = {};
+  return result_.plausibility.refused;
 }
 
 void FitStage::pass(const FrameSlot& slot) {
@@ -200,6 +209,8 @@ void FitStage::measure(bool ended) {
     fault_ = *fault;
     return;
   }
+  const GuidanceSet refused = succeeded ? person.plausibility.refused : 0;
+  succeeded = succeeded && refused == 0;
   MeasuringStep step = after_measuring(rules_, session_, succeeded, ended);
   const int front_frames = stages_.frame_count();
   if (step.turn && !stages_.turn()) {
@@ -217,7 +228,9 @@ void FitStage::measure(bool ended) {
     result_.age = {};
     result_.seen = {};
     result_.paper.fill(std::numeric_limits<float>::quiet_NaN());
-    result_.guidance = static_cast<GuidanceSet>(Guidance::too_noisy);
+    result_.plausibility = person.plausibility;
+    refused_user_ = session_.user;
+    result_.guidance = refused != 0 ? refused : static_cast<GuidanceSet>(Guidance::too_noisy);
     result_.arms_close = 0;
     take_guidance(result_.guidance);
     return;
@@ -233,9 +246,11 @@ void FitStage::measure(bool ended) {
   result_.paper = person.paper;
   result_.measured_joints = person.joints;
   if (person.floor.known) result_.floor = person.floor;
-  // No guidance is left, but CLOTHED for a person specified as bare.
-  result_.guidance =
-      clothing_ == ClothingGiven::bare && person.answer.clothed ? static_cast<GuidanceSet>(Guidance::clothed) : 0;
+  result_.plausibility = person.plausibility;
+  // No guidance is left, but what stands beside an answer: also CLOTHED for a person specified as bare.
+  result_.guidance = person.plausibility.beside;
+  if (clothing_ == ClothingGiven::bare && person.answer.clothed)
+    result_.guidance |= static_cast<GuidanceSet>(Guidance::clothed);
   result_.arms_close = 0;
   if (step.turn) {
     front_frames_ = front_frames;

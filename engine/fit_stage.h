@@ -46,6 +46,7 @@ class FitStage {
   void wait_for_leaving(const FrameSlot& slot);
   bool accumulate(const FrameSlot& slot);  // true: enough to measure
   void follow(const FrameSlot& slot);
+  GuidanceSet still_refused(const SessionView& view);
   void measure(bool ended);
   void end_turning(bool with_back, bool ended);
   void forget();
@@ -66,6 +67,7 @@ class FitStage {
   int unfollowed_periods_ = 0;   // since the last picture of a turn
   float turn_deg_a_period_ = 0;  // between the last two
   int front_frames_ = 0;         // accumulated before TURNING; 0 while the front is being accumulated
+  int refused_user_ = 0;         // whom EngineResult::plausibility refused
   std::optional<Error> fault_;
   const bool one_after_another_;
   bool leaving_ = false;

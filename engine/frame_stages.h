@@ -8,6 +8,7 @@
 #include "core/clothing.h"
 #include "core/status.h"
 #include "engine/engine.h"
+#include "estimate/plausibility.h"
 
 namespace im2fit {
 
@@ -17,6 +18,7 @@ struct MeasuredPerson {
   bool around = false;  // the answer rests on a turn, too
   AgeAnswer age;
   body::SeenBody seen;
+  Plausibility plausibility;
   MeasurementValues paper{};
   JointSet joints;
   FloorPlane floor;

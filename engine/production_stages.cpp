@@ -31,13 +31,15 @@ class ProductionStages final : public SensingStages {
       person = front_person_;
       person.around =
           std::fabs(around_->turned_deg()) >= kTurnEnoughDeg && around_->measure(person.answer, person.seen);
+      correct(person.plausibility, person.answer);
       return true;
     }
-    const Fuser::Description& described = front().describe(sensor_);
+    const SurroundingsSigns surroundings = front().surroundings();
+    const Fuser::Description& described = front().describe(sensor_, ground_of(surroundings));
     if (!described.valid) return false;
     std::optional<RefinedQuery::Side> behind;
     if (back() != nullptr) {
-      behind.emplace(RefinedQuery::Side{*back(), back()->describe(sensor_)});
+      behind.emplace(RefinedQuery::Side{*back(), back()->describe(sensor_, ground_of(back()->surroundings()))});
       if (!behind->description.valid) return false;
     }
     auto answer = query_.query({front(), described}, behind);
@@ -54,7 +56,9 @@ class ProductionStages final : public SensingStages {
     person.paper = to_values(described.paper);
     person.joints = described.joints;
     person.floor = described.floor;
+    person.plausibility = judge(surroundings, described, answer->stance);
     front_person_ = person;
+    correct(person.plausibility, person.answer);
     return true;
   }
 

@@ -21,7 +21,9 @@ bool RefinedQuery::fits(const index::Index& index, const body::ShapeSpace* space
 
 RefinedQuery::RefinedQuery(const index::Index& index, const body::ShapeSpace* space, ClothingGiven clothing)
     : index_(index), space_(space), clothing_(clothing), scratch_(index.make_scratch()) {
-  if (fits(index, space)) fitter_ = std::make_unique<body::ShapeFitter>(*space);
+  if (!fits(index, space)) return;
+  fitter_ = std::make_unique<body::ShapeFitter>(*space);
+  points_.resize(space->point_count);
 }
 
 // None of a fit that is not valid.
@@ -35,6 +37,13 @@ std::span<const float> RefinedQuery::unknown_fit() {
   const std::span<float> values(front_fit_.data(), index_.fit_layout().size());
   std::fill(values.begin(), values.end(), std::numeric_limits<float>::quiet_NaN());
   return values;
+}
+
+// Of the last fit, whose first view is the front.
+FittedStance RefinedQuery::stance(const body::ShapeFit& front, const FloorPlane& floor) {
+  if (!front.valid) return {};
+  fitter_->points_in_view(0, points_);
+  return stance_of(fitter_->bones_in_view(0), points_, floor);
 }
 
 // Of a small index a large count would hold people who are hardly alike.
@@ -57,7 +66,7 @@ Result<RefinedQuery::Queried> RefinedQuery::queried(index::Seen seen, const inde
   seen.clothing = answer->clothed ? ClothingGiven::dressed : ClothingGiven::bare;
   const auto age = age_of(seen);
   if (!age) return age.error();
-  return Queried{*answer, *age, {}};
+  return Queried{*answer, *age, {}, {}};
 }
 
 Result<RefinedQuery::Queried> RefinedQuery::query(const Side& front, const std::optional<Side>& back) {
@@ -80,6 +89,7 @@ Result<RefinedQuery::Queried> RefinedQuery::query(const Side& front, const std::
     seen.fit = values_of(alone, front_fit_);
     body = body::seen_body(alone, false);
   }
+  const FittedStance stands = stance(fitter_->first_alone(), front.description.floor);
   body.valid = body.valid && front.description.floor.known;
   if (!seen.fit_both.empty() && !seen.fit.empty()) {
     seen.back = back->description.feature;
@@ -90,7 +100,9 @@ Result<RefinedQuery::Queried> RefinedQuery::query(const Side& front, const std::
     seen.fit = unknown_fit();
   }
   auto answered = queried(seen, options);
-  if (answered) answered->seen = body;
+  if (!answered) return answered;
+  answered->seen = body;
+  answered->stance = stands;
   return answered;
 }
 

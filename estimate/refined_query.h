@@ -5,9 +5,11 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "body/fit/shape_fitter.h"
 #include "estimate/age.h"
+#include "estimate/plausibility.h"
 #include "index/index.h"
 #include "perception/observe/observe.h"
 
@@ -33,6 +35,7 @@ class RefinedQuery {
     // Of both sides where they could be fitted, else of the front. Not valid with an unknown floor: then the fit's
     // axes differ from those of a caller that knows the floor.
     body::SeenBody seen;
+    FittedStance stance;  // of the front
   };
   // Some tens of milliseconds with a shape space, for each side.
   // Errors: the index is damaged where it was read.
@@ -43,6 +46,7 @@ class RefinedQuery {
   using FitValues = std::array<float, body::kFitValueMax>;
   std::span<const float> values_of(const body::ShapeFit& fit, FitValues& out) const;
   std::span<const float> unknown_fit();
+  FittedStance stance(const body::ShapeFit& front, const FloorPlane& floor);
   Result<AgeAnswer> age_of(const index::Seen& seen);
   Result<Queried> queried(index::Seen seen, const index::QueryOptions& options);
 
@@ -51,6 +55,7 @@ class RefinedQuery {
   const ClothingGiven clothing_;
   std::unique_ptr<index::Index::Scratch, void (*)(index::Index::Scratch*)> scratch_;
   std::unique_ptr<body::ShapeFitter> fitter_;
+  std::vector<Vec3f> points_;  // of a fit
   // Of a fit to the front, and to both sides; not a number where the index wants a fit and there is none.
   FitValues front_fit_{}, both_fit_{};
   static constexpr std::size_t kAlikeMax = 256;

@@ -56,40 +56,104 @@ double share_of(const std::vector<Pair>& pairs, const Holds& holds) {
   return static_cast<double>(count) / static_cast<double>(pairs.size());
 }
 
-std::string other_values(const std::vector<Pair>& pairs) {
+// What 16-bit values may mean, in millimetres, and its name.
+struct Unit {
+  double mm;
+  const char* name;
+};
+constexpr std::array<Unit, 6> kUnits = {{{0.1, "0.1 mm units"},
+                                         {0.2, "fifths of a millimetre"},
+                                         {0.25, "quarters of a millimetre"},
+                                         {0.5, "half millimetres"},
+                                         {10, "centimetres"},
+                                         {1000, "metres"}}};
+constexpr double kUsualMm = 2700;  // of the middle of a picture: people stand 2 to 2.5 m away, before a wall
+
+std::string number(double value) {
+  std::string text = std::to_string(value);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text;
+}
+
+DepthDiagnosis other_unit(double median, const UnitJudge& judge) {
+  const auto unusual = [&](const Unit& unit) {
+    const double ratio = median * unit.mm / kUsualMm;
+    return ratio < 1 ? 1 / ratio : ratio;
+  };
+  const Unit* best = nullptr;
+  float best_score = 0;
+  for (const Unit& unit : kUnits) {
+    if (median * unit.mm < kRoomMinMm || median * unit.mm > kRoomMaxMm) continue;
+    const float score = judge ? judge(static_cast<float>(unit.mm)) : 0;
+    const bool better =
+        best == nullptr || score > best_score || (score == best_score && unusual(unit) < unusual(*best));
+    if (!better) continue;
+    best = &unit;
+    best_score = score;
+  }
+  if (best == nullptr)
+    return {DiagnosisCode::unit, 0, 0,
+            "the middle value is " + std::to_string(static_cast<int>(median)) +
+                ", expected 600 to 8000 millimetres; see --unit"};
+  return {DiagnosisCode::unit, static_cast<float>(best->mm), 0,
+          std::string("values look like ") + best->name + "; try --unit " + number(best->mm)};
+}
+
+// Of values that might be millimetres: another unit only where it is sure.
+constexpr float kSureScore = 0.5F;
+DepthDiagnosis sure_unit(double median, const UnitJudge& judge) {
+  float best = 0;
+  const DepthDiagnosis found = other_unit(median, [&](float unit_mm) {
+    const float score = judge(unit_mm);
+    best = std::max(best, score);
+    return score;
+  });
+  return best >= kSureScore ? found : DepthDiagnosis{};
+}
+
+// Every second value is the high half of a float of millimetres (256 to 8192) or metres (0.5 to 8).
+bool are_floats(DepthView depth) {
+  constexpr int kMmMin = 0x4380, kMmMax = 0x4600, kMetreMin = 0x3F00, kMetreMax = 0x4100;
+  for (const int first : {0, 1}) {
+    std::size_t some = 0, millimetres = 0, metres = 0;
+    for (int v = 0; v < depth.height; v += 2)
+      for (int u = first; u < depth.width; u += 2) {
+        const int value = depth.at(u, v);
+        some += value != 0 ? 1 : 0;
+        millimetres += value >= kMmMin && value < kMmMax ? 1 : 0;
+        metres += value >= kMetreMin && value < kMetreMax ? 1 : 0;
+      }
+    if (some > 0 && 10 * std::max(millimetres, metres) > 9 * some) return true;
+  }
+  return false;
+}
+
+DepthDiagnosis other_values(const std::vector<Pair>& pairs, const UnitJudge& judge) {
   const Reading plain = read_as(pairs, [](std::uint16_t v) { return v; });
   // Eleven bits, 2047 for no answer, and disparity instead of depth: a Kinect's raw picture.
   const bool eleven_bits = share_of(pairs, [](std::uint16_t v) { return v > 2047; }) == 0;
   if (eleven_bits && share_of(pairs, [](std::uint16_t v) { return v == 2047; }) > 0.01)
-    return "values look like a Kinect's raw disparity (11 bits, 2047: no data); record depth in millimetres";
-  if (plain.is_room()) return "";
+    return {DiagnosisCode::raw_disparity, 0, 0,
+            "values look like a Kinect's raw disparity (11 bits, 2047: no data); record depth in millimetres"};
+  if (plain.is_room()) return judge && judge(1) < kSureScore ? sure_unit(plain.median, judge) : DepthDiagnosis{};
   const auto swapped = [](std::uint16_t v) { return ((v & 0xFF) << 8) | (v >> 8); };
   // Few metres or centimetres have nothing in their high byte.
   if (share_of(pairs, [](std::uint16_t v) { return v > 255; }) > 0.9 && read_as(pairs, swapped).is_room())
-    return "bytes look swapped; PGM and PNG have the high byte first: write the files again";
+    return {DiagnosisCode::bytes_swapped, 0, 0,
+            "bytes look swapped; PGM and PNG have the high byte first: write the files again"};
   if (share_of(pairs, [](std::uint16_t v) { return (v & 7) != 0; }) < 0.001 &&
       read_as(pairs, [](std::uint16_t v) { return v >> 3; }).is_room())
-    return "values look shifted by three bits (a player's number below the depth); try --unit 0.125";
+    return {DiagnosisCode::player_bits, 0.125F, 0,
+            "values look shifted by three bits (a player's number below the depth); try --unit 0.125"};
   if (share_of(pairs, [](std::uint16_t v) { return v >= 0x2000; }) > 0.2 &&
       read_as(pairs, [](std::uint16_t v) { return v & 0x1FFF; }).is_room() && plain.rough > kRoughMax)
-    return "confidence bits look set above 13 bits of depth (Android's DEPTH16); clear them when recording";
+    return {DiagnosisCode::confidence_bits, 0, 0,
+            "confidence bits look set above 13 bits of depth (Android's DEPTH16); clear them when recording"};
   if (plain.rough > kRoughMax)
-    return "neighbouring values differ more than in a depth picture; is this another kind of picture?";
-  struct Unit {
-    double mm;
-    const char* name;
-  };
-  for (const Unit& unit : std::array<Unit, 4>{
-           {{0.1, "0.1 mm units"}, {0.2, "fifths of a millimetre"}, {10, "centimetres"}, {1000, "metres"}}}) {
-    const double median = plain.median * unit.mm;
-    if (median < kRoomMinMm || median > kRoomMaxMm) continue;
-    std::string text = std::to_string(unit.mm);
-    text.erase(text.find_last_not_of('0') + 1);
-    if (text.back() == '.') text.pop_back();
-    return std::string("values look like ") + unit.name + "; try --unit " + text;
-  }
-  return "the middle value is " + std::to_string(static_cast<int>(plain.median)) +
-         ", expected 600 to 8000 millimetres; see --unit";
+    return {DiagnosisCode::no_depth_picture, 0, 0,
+            "neighbouring values differ more than in a depth picture; is this another kind of picture?"};
+  return other_unit(plain.median, judge);
 }
 
 // Mean depth of a strip an eighth of the picture wide; 0: hardly any.
@@ -105,35 +169,59 @@ double strip(DepthView depth, int u0, int u1, int v0, int v1) {
 }
 
 // The floor before a person is nearer than all else, along the lower edge; along another one the camera is turned.
-std::string turned(DepthView depth) {
+DepthDiagnosis turned(DepthView depth) {
   const int w = depth.width, h = depth.height;
-  if (w < 16 || h < 16) return "";
+  if (w < 16 || h < 16) return {};
   const double below = strip(depth, 0, w, h - h / 8, h), above = strip(depth, 0, w, 0, h / 8);
   const double left = strip(depth, 0, w / 8, 0, h), right = strip(depth, w - w / 8, w, 0, h);
   constexpr double kNearer = 0.75;
   struct Edge {
     double near, far, others;
-    const char* degrees;
+    int degrees;
   };
   const auto least = [](double a, double b) { return a == 0 ? b : b == 0 ? a : std::min(a, b); };
-  for (const Edge& edge :
-       {Edge{right, left, least(below, above), "90"}, Edge{left, right, least(below, above), "270"},
-        Edge{above, below, least(left, right), "180"}})
+  for (const Edge& edge : {Edge{right, left, least(below, above), 90}, Edge{left, right, least(below, above), 270},
+                           Edge{above, below, least(left, right), 180}})
     if (edge.near > 0 && edge.far > 0 && edge.near < kNearer * edge.far && edge.near < edge.others)
-      return std::string("the picture looks turned; try --rotate ") + edge.degrees;
-  return "";
+      return {DiagnosisCode::rotated, 0, edge.degrees,
+              "the picture looks turned; try --rotate " + std::to_string(edge.degrees)};
+  return {};
 }
 
 }  // namespace
 
-std::string depth_diagnosis(DepthView depth) {
-  if (depth.pixels == nullptr) return "";
+DepthDiagnosis depth_diagnosis(DepthView depth, const UnitJudge& judge) {
+  if (depth.pixels == nullptr) return {};
+  if (are_floats(depth))
+    return {DiagnosisCode::float_values, 0, 0,
+            "values look like 32-bit floating point, read as 16-bit integers; write 16-bit millimetres"};
   const std::vector<Pair> pairs = pairs_of(depth);
   const std::size_t looked_at =
       static_cast<std::size_t>((depth.width + 1) / 2) * static_cast<std::size_t>((depth.height + 1) / 2);
-  if (50 * pairs.size() < looked_at) return "the last picture is nearly without depth";
-  const std::string values = other_values(pairs);
-  return values.empty() ? turned(depth) : values;
+  if (50 * pairs.size() < looked_at)
+    return {DiagnosisCode::little_depth, 0, 0, "the last picture is nearly without depth"};
+  DepthDiagnosis values = other_values(pairs, judge);
+  return values.code != DiagnosisCode::none ? values : turned(depth);
+}
+
+DepthDiagnosis intrinsics_diagnosis(const Intrinsics& k) {
+  if (!(k.fx > 0 && k.fy > 0) || k.width < 1 || k.height < 1) return {};
+  const auto w = static_cast<float>(k.width), h = static_cast<float>(k.height);
+  // Within a tenth of the picture of the other orientation's centre, and not of its own.
+  const auto near = [](float a, float b, float size) { return std::abs(a - b) < 0.1F * size; };
+  const bool own = near(k.cx, w / 2, w) && near(k.cy, h / 2, h);
+  if (!own && near(k.cx, h / 2, w) && near(k.cy, w / 2, h))
+    return {DiagnosisCode::centre, 0, 0,
+            "cx and cy look like those of the picture before it was turned; give the calibration of the upright "
+            "picture, or rotate the source"};
+  // Half of the longer side's field: 25 and 130 degrees.
+  constexpr float kHalfMin = 0.2217F, kHalfMax = 2.1445F;
+  const float half = std::max(0.5F * w / k.fx, 0.5F * h / k.fy);
+  if (half < kHalfMin || half > kHalfMax)
+    return {DiagnosisCode::field_of_view, 0, 0,
+            std::string("the field of view of fx and fy is ") + (half < kHalfMin ? "under 25" : "over 130") +
+                " degrees; are they pixels of a picture of this size?"};
+  return {};
 }
 
 }  // namespace im2fit::hal

@@ -12,6 +12,7 @@
 
 #include "body/tape.h"
 #include "engine/engine.h"
+#include "hal/depth_diagnosis.h"
 #include "person/avatar.h"
 #include "person/garment_fit.h"
 #include "person/size_chart.h"
@@ -28,6 +29,7 @@ struct PersonMeasurement {
   EngineResult result;
   hal::SourceInfo source;                 // of the frames
   std::uint64_t frames_damaged = 0;       // SourceStats::damaged of the source: frames left out
+  hal::DepthDiagnosis diagnosis;          // of frames that show no person: why; else none
   const SiteCalibration* site = nullptr;  // what `result` was corrected by; null: nothing
   // When measured:
   std::optional<SizeAnswer> size;               // of the chest

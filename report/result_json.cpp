@@ -338,8 +338,10 @@ std::string_view name_of(hal::IntrinsicsOrigin origin) {
 }
 
 GuidanceSet reported_guidance(const EngineResult& result) {
-  if (result.measured) return result.guidance & static_cast<GuidanceSet>(Guidance::clothed);
-  GuidanceSet set = result.guidance;
+  if (result.measured)
+    return result.guidance &
+           (Guidance::clothed | Guidance::feet_raised | static_cast<GuidanceSet>(Guidance::head_unseen));
+  GuidanceSet set = result.guidance | result.plausibility.refused;
   for (std::size_t i = 0; i < kGuidanceCount; ++i)
     if (result.guidance_frames[i] > 0 && 2 * std::uint64_t{result.guidance_frames[i]} >= result.frames_seen)
       set |= 1U << i;
@@ -370,15 +372,29 @@ ArmSet reported_arms(const EngineResult& result) {
 
 namespace {
 
-// Confirmed people in view who are not measured, and why.
-Json left_out_json(const EngineResult& result) {
-  Json list = Json::array();
-  for (const LeftOutUser& one : left_out_of(result))
-    list.push_back({{"user", one.user}, {"reason", std::string(one.reason)}});
-  return list;
+// What was found for each code reported, and confirmed people in view who are not measured.
+Json details_json(const EngineResult& r, GuidanceSet codes, ArmSet arms) {
+  Json details = Json::object();
+  if (arms != 0) details["arms_close"] = names_of_arms(arms);
+  const Plausibility& p = r.plausibility;
+  const GuidanceSet judged = (p.refused | p.beside) & codes;
+  if (has(judged, Guidance::not_upright)) details["not_upright"] = {{"knees_deg", rounded(p.knees_deg, kTenths)}};
+  if (has(codes, Guidance::out_of_population) && std::isfinite(p.seen_stature_mm))
+    details["out_of_population"] = {
+        {"stature_mm", rounded(p.seen_stature_mm, 1)}, {"from_mm", kSeenStatureMinMm}, {"to_mm", kSeenStatureMaxMm}};
+  if (has(judged, Guidance::floor_bent)) details["floor_bent"] = {{"bend", rounded(p.floor_bend, kThousandths)}};
+  if (has(judged, Guidance::feet_raised)) details["feet_raised"] = {{"ground_mm", rounded(p.ground_mm, 1)}};
+  if (has(judged, Guidance::head_unseen)) details["head_unseen"] = {{"added_mm", rounded(p.crown_missing_mm, 1)}};
+  for (const LeftOutUser& one : left_out_of(r))
+    details["left_out"].push_back({{"user", one.user}, {"reason", std::string(one.reason)}});
+  return details;
 }
 
 }  // namespace
+
+std::string guidance_details_json(const EngineResult& result, GuidanceSet codes, ArmSet arms) {
+  return details_json(result, codes, arms).dump();
+}
 
 std::string fit_json(const GarmentFit& fit) {
   return garment_json(fit).dump(2) + "\n";
@@ -390,9 +406,9 @@ std::string result_json(const PersonMeasurement& person, const std::optional<Res
   json["schema"] = std::string(kResultSchema);
   json["state"] = std::string(name_of(r.state));
   json["guidance"] = names_of(reported_guidance(person));
-  json["guidance_details"] = Json::object();
-  if (const ArmSet arms = reported_arms(r); arms != 0) json["guidance_details"]["arms_close"] = names_of_arms(arms);
-  if (const Json left = left_out_json(r); !left.empty()) json["guidance_details"]["left_out"] = left;
+  json["guidance_details"] = details_json(r, reported_guidance(person), reported_arms(r));
+  if (person.diagnosis.code != hal::DiagnosisCode::none)
+    json["diagnosis"] = {{"code", std::string(hal::name_of(person.diagnosis.code))}, {"text", person.diagnosis.text}};
   json["frames"] = {{"seen", r.frames_seen},
                     {"used", r.frames_used},
                     {"dropped", r.frames_dropped},

@@ -35,6 +35,9 @@ GuidanceSet reported_guidance(const EngineResult& result);
 // Which arms its ARMS_CLOSE is about: those of the latest frame, else those named in at least half of the frames with
 // that code.
 ArmSet reported_arms(const EngineResult& result);
+// The object `guidance_details` of the codes in `codes`, as JSON: the numbers behind them. `arms`: those of
+// ARMS_CLOSE.
+std::string guidance_details_json(const EngineResult& result, GuidanceSet codes, ArmSet arms);
 // The same, with TURN_ROUND or TURN_ON if a turn was requested and the answer rests on the front alone.
 GuidanceSet reported_guidance(const PersonMeasurement& person);
 

@@ -21,15 +21,12 @@ ShownState shown_state(const EngineResult& result) {
 }
 
 Json state_event(std::uint64_t frame, const EngineResult& result) {
-  Json details = Json::object();
-  if (result.arms_close != 0) details["arms_close"] = names_of_arms(result.arms_close);
-  for (const LeftOutUser& one : left_out_of(result))
-    details["left_out"].push_back({{"user", one.user}, {"reason", std::string(one.reason)}});
   return {{"event", "state"},
           {"frame", frame},
           {"state", std::string(im2fit::name_of(result.state))},
           {"guidance", names_of(result.guidance)},
-          {"guidance_details", details},
+          {"guidance_details",
+           *parse_json<Json>(guidance_details_json(result, result.guidance, result.arms_close), "guidance_details")},
           {"user", result.user},
           {"view", std::string(im2fit::name_of(result.view))},
           {"frames_used", result.frames_used}};

@@ -15,7 +15,7 @@ namespace im2fit::apps {
 struct LiveOptions {
   SessionOptions session;
   PreviewRendererOptions preview_renderer;
-  int count = 0;  // 0: until Ctrl-C or the end
+  int count = 0;              // 0: until Ctrl-C or the end
   bool print_results = true;  // false: values go to files, --json and the listener only
   // The frames behind an answer are recorded, and nothing outside the recording may influence it. No frame is skipped
   // while nothing moves. After a person is given up, the engine begins as a new one does, floor and ids included.

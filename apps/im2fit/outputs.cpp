@@ -11,7 +11,6 @@
 #include "body/measure.h"
 #include "core/file.h"
 #include "garment/drape/wear.h"
-#include "hal/depth_diagnosis.h"
 #include "person/dressing.h"
 #include "report/measurement_file.h"
 #include "report/overlay.h"
@@ -290,16 +289,21 @@ std::string wanted_words(const SessionOutcome& outcome, const SessionOptions& op
                      std::min(EngineSettings{}.frames_min, options.frames));
 }
 
-// For frames in which no person was found: why one who is there is not, the kind of picture, when it cannot be a room
-// in millimetres; else the requirement for one.
+// What a code leaves open. Of frames in which no person was found: why one who is there is not, the kind of picture,
+// when it cannot be a room in millimetres; else the requirement for one.
 std::string depth_words(const SessionOutcome& outcome) {
   const GuidanceSet guidance = reported_guidance(outcome.person);
+  if (has(guidance, Guidance::floor_bent))
+    return "; the depth shows the floor curved: are these distances from the camera, or is the lens not undone?";
+  if (has(guidance, Guidance::out_of_population))
+    return fmt::format("; people of {:.2f} to {:.2f} m are measured", kSeenStatureMinMm / 1000,
+                       kSeenStatureMaxMm / 1000);
   if (has(guidance, Guidance::depth_missing))
     return "; the legs give no depth: dark and shiny cloth swallows the light, matte and bright clothes help";
   if (has(guidance, Guidance::step_to_the_middle))
     return "; the person is one surface with a wall or a shelf: nothing may touch the person";
   if (!has(guidance, Guidance::no_person)) return "";
-  const std::string diagnosis = hal::depth_diagnosis(outcome.shown->depth());
+  const std::string& diagnosis = outcome.person.diagnosis.text;
   // Legs and hips may be furniture: without the chest no person is found.
   return "; " + (diagnosis.empty() ? "the picture must reach from the floor to above the head" : diagnosis);
 }

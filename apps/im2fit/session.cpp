@@ -9,8 +9,10 @@
 #include <string_view>
 #include <utility>
 
+#include "engine/diagnosis.h"
 #include "engine/engine.h"
 #include "report/measurement_file.h"
+#include "report/result_json.h"
 
 namespace im2fit::apps {
 namespace {
@@ -233,7 +235,13 @@ Status take_person(SessionOutcome& outcome, Result<PersonMeasurement> person, st
 
 Status conclude(SessionOutcome& outcome) {
   const hal::Source& source = *outcome.input.source;
-  return take_person(outcome, measured_person(*outcome.engine, outcome.data, source.info()), source.stats().damaged);
+  const auto taken =
+      take_person(outcome, measured_person(*outcome.engine, outcome.data, source.info()), source.stats().damaged);
+  if (!taken) return taken;
+  if (!outcome.person.result.measured && has(reported_guidance(outcome.person), Guidance::no_person))
+    outcome.person.diagnosis =
+        diagnose(outcome.shown->depth(), source.info().intrinsics, &outcome.data.tracker->model());
+  return Ok{};
 }
 
 Status conclude_again(SessionOutcome& outcome, const EngineResult& unconditioned, const KnownFacts& facts) {

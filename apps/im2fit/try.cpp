@@ -117,8 +117,7 @@ Result<int> run(const TryOptions& options) {
   const auto girths = girths_for(*pattern, builtin_tape(), person->tape_values, person->tape_intervals);
   if (!girths) return girths.error();
   const bool woman = person->female > 0.5F;
-  const GarmentFit fit =
-      fit_garment(*pattern, builtin_wardrobe().regression, charts->cut_by(woman), woman, *girths);
+  const GarmentFit fit = fit_garment(*pattern, builtin_wardrobe().regression, charts->cut_by(woman), woman, *girths);
   std::size_t chosen = fit.best;
   if (!options.size.empty()) {
     chosen = 0;

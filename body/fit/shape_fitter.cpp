@@ -97,6 +97,7 @@ class ShapeFitter::Work {
   explicit Work(const ShapeSpace& space);
   void run(std::span<const FitView> views);
   void points_in_view(std::size_t v, std::span<Vec3f> out);
+  PosedSkeleton bones_in_view(std::size_t v);
   ShapeFit first, result;
 
  private:
@@ -353,6 +354,11 @@ void ShapeFitter::Work::points_in_view(std::size_t v, std::span<Vec3f> out) {
   }
 }
 
+PosedSkeleton ShapeFitter::Work::bones_in_view(std::size_t v) {
+  rest_.set_bones(shape());
+  return pose_skeleton(rest_.skeleton(), views_[v].pose);
+}
+
 void fit_values(const ShapeFit& fit, const ShapeSpace& space, std::span<float> out) {
   auto at = std::copy_n(fit.shape.begin(), space.shape_count, out.begin());
   for (const auto& off : fit.off_mm) at = std::copy_n(off.begin(), patch_count(space), at);
@@ -369,6 +375,10 @@ const ShapeFit& ShapeFitter::run(std::span<const FitView> views) {
 
 const ShapeFit& ShapeFitter::first_alone() const {
   return work_->first;
+}
+
+PosedSkeleton ShapeFitter::bones_in_view(std::size_t view) {
+  return work_->bones_in_view(view);
 }
 
 void ShapeFitter::points_in_view(std::size_t view, std::span<Vec3f> out) {

@@ -79,6 +79,8 @@ class ShapeFitter {
   // Of the last valid fit, while its views stand: where the space's points lie in a view, camera axes, mm.
   // `out` has point_count places.
   void points_in_view(std::size_t view, std::span<Vec3f> out);
+  // The same, where its bones lie: levelled axes (y up from the floor where it is known, z towards the camera).
+  PosedSkeleton bones_in_view(std::size_t view);
 
  private:
   class Work;

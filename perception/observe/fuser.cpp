@@ -40,6 +40,7 @@ struct Fuser::Workspace {
         paper(width, height),
         fpfh(width / kStepMin, height / kStepMin),
         profile(width, height),
+        around(width, height),
         grid(static_cast<std::size_t>(width / kStepMin) * static_cast<std::size_t>(height / kStepMin) * 6) {}
 
   DepthFusion fusion;
@@ -48,6 +49,7 @@ struct Fuser::Workspace {
   PaperWorkspace paper;
   FpfhWorkspace fpfh;
   ProfileWorkspace profile;
+  Surroundings around;
   LazyZeros<float> grid;  // x y z nx ny nz of the decimated person, whose grid is coarser the nearer they stand
   std::array<JointSet, kFramesMax> joints;
   int joints_count = 0;
@@ -117,6 +119,7 @@ void Fuser::reset() {
   w.fusion.reset();
   w.noise.reset();
   w.outline.reset();
+  w.around.reset();
   w.joints_count = 0;
   w.up_sum = {};
   w.camera_height_sum = 0;
@@ -138,6 +141,7 @@ GuidanceSet Fuser::add(DepthView depth, MaskView mask, const Intrinsics& intrins
   w.fusion.add(depth, mask, person.u_min, person.v_min, person.u_max, person.v_max);
   w.noise.add(depth, mask, person.u_min, person.v_min, person.u_max, person.v_max);
   w.outline.add(depth, mask, person.u_min, person.v_min, person.u_max, person.v_max);
+  w.around.add(depth, mask, intrinsics, person);
   if (w.joints_count < kFramesMax) w.joints[static_cast<std::size_t>(w.joints_count++)] = detection.joints;
   if (person.floor.known) {
     w.up_sum = w.up_sum + person.floor.up;
@@ -153,11 +157,15 @@ int Fuser::frame_count() const {
   return work_->fusion.frame_count();
 }
 
+SurroundingsSigns Fuser::surroundings() const {
+  return work_->around.signs();
+}
+
 const Intrinsics& Fuser::intrinsics() const {
   return work_->intrinsics;
 }
 
-const Fuser::Description& Fuser::describe(SensorKind kind) {
+const Fuser::Description& Fuser::describe(SensorKind kind, float ground_mm) {
   Workspace& w = *work_;
   Description& d = w.description;
   d.valid = false;
@@ -165,6 +173,7 @@ const Fuser::Description& Fuser::describe(SensorKind kind) {
   w.fusion.finish();
   d.joints = w.median_joints();
   d.floor = w.mean_floor();
+  d.floor.camera_height_mm -= d.floor.known ? ground_mm : 0.0F;
   d.distance_mm = whole_mm(d.joints[Joint::TO].z);
   d.paper = measure_paper(w.fusion.depth_q4(), w.fusion.mask(), w.intrinsics, d.joints, w.paper);
 
@@ -180,6 +189,7 @@ const Fuser::Description& Fuser::describe(SensorKind kind) {
   const SensorSigns signs{w.noise.sd_mm(), w.outline.lost(), w.outline.one_sided(), w.edges_restored};
   const auto traits = sensor_traits(signs, d.joints[Joint::TO].z, w.intrinsics.fx, kind);
   std::copy(traits.begin(), traits.end(), feature.end() - kSensorTraits);
+  d.crown_flatness = crown_flatness(w.fusion.depth_q4(), w.fusion.mask(), w.intrinsics, d.joints, d.floor);
   d.valid = true;
   return d;
 }

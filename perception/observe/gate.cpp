@@ -32,6 +32,11 @@ constexpr float kHandSureMin = 0.33F;   // confidence of a hand that is seen; [n
 constexpr float kAcrossMinMm = 100.0F;  // shoulders and hips together: some 500 mm apart; [none]
 constexpr float kBackMin = 0.65F;       // probability of a back; [none]
 constexpr float kFrontMax = 0.35F;      // and of a front, most; [none]
+// Of one who stands small: the survey's smallest adult of ANSUR II has 1409 mm. Knees before the middle of hips and
+// feet, as a share of the height: 0.03 at most of 300 who stand, 0.075 and more of 24 who squat (2026-11-30).
+constexpr float kSmallMaxMm = 1350;
+constexpr float kSmallMinMm = 500;  // less is no child who stands
+constexpr float kKneesForwardMax = 0.045F;
 
 }  // namespace im2fit::gate_limits
 
@@ -82,6 +87,29 @@ ArmSet hands_close(const JointSet& joints, const FloorPlane& floor) {
     return (facing == is_left(hand) ? outwards : -outwards) < (sure ? kHandGapMinMm : kHandGapUnsureMinMm);
   };
   return (close(Joint::LA, Joint::LH) ? kLeftArm : 0) | (close(Joint::RA, Joint::RH) ? kRightArm : 0);
+}
+
+float mask_height_mm(DepthView depth, MaskView mask, const Intrinsics& k, const Person& person) {
+  if (!person.floor.known) return 0;
+  float top = 0;
+  for (int u = person.u_min; u <= person.u_max; ++u) {
+    if (mask.at(u, person.v_min) == 0) continue;
+    const Vec3f p = unproject(k, static_cast<float>(u), static_cast<float>(person.v_min),
+                              static_cast<float>(depth.at(u, person.v_min)));
+    top = std::fmax(top, dot(person.floor.up, p) + person.floor.camera_height_mm);
+  }
+  return top;
+}
+
+bool stands_small(float height_mm, const JointSet& joints, const FloorPlane& floor) {
+  if (!(height_mm > kSmallMinMm && height_mm < kSmallMaxMm)) return false;
+  const PersonFrame frame = person_frame(floor, joints[Joint::TO]);
+  const auto depth_of = [&](Joint left, Joint right) {
+    return frame.depth(joints[left]) + frame.depth(joints[right]);
+  };
+  const float knees = depth_of(Joint::LK, Joint::RK);
+  const float ends = depth_of(Joint::LH, Joint::RH) + depth_of(Joint::LF, Joint::RF);
+  return 0.5F * knees - 0.25F * ends < kKneesForwardMax * height_mm;
 }
 
 GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor, ViewSide view, const Lean& lean) {

@@ -25,6 +25,13 @@ ArmSet hands_close(const JointSet& joints, const FloorPlane& floor);
 // front nor back). Thresholds are three joint errors away from the pose of a person who tries to stand straight: one
 // noisy joint must not refuse a good frame. The direction a bent person faces is not judged.
 GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor, ViewSide view, const Lean& lean = {});
+// The topmost pixel of the mask over the floor; 0 where the floor is not known.
+float mask_height_mm(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Person& person);
+// Someone who stands on straight legs and is smaller than all whom the models hold, by 50 mm and more: children hold
+// their arms nearer to the trunk, in millimetres, than hands_close() asks for, and would never be measured to be
+// told. Between, and above: estimate/plausibility.h.
+bool stands_small(float height_mm, const JointSet& joints, const FloorPlane& floor);
+
 // Which of those codes a frame supports, given the mask's guidance: joints in few or coarse pixels are guesses, a
 // hand outside the picture has no place, front and back cannot be distinguished without a head, and without feet
 // neither the floor nor the vertical is seen. First the person must stand where the pose can be seen.

@@ -19,6 +19,7 @@
 #include "perception/observe/joint_filter.h"
 #include "perception/observe/lean.h"
 #include "perception/observe/sensor_traits.h"
+#include "perception/observe/surroundings.h"
 #include "perception/paper/paper.h"
 #include "perception/profile/profile.h"
 #include "perception/segment/person_tracker.h"
@@ -43,6 +44,7 @@ struct Detection {
   int user_count = 0;
   GuidanceSet guidance = 0;     // the person's and the pose's: zero means the frame may be used
   ArmSet arms_close = 0;        // which arms arms_close is about; 0 without that code
+  float height_mm = 0;          // mask_height_mm() of one who is wholly seen and stands; else 0
   bool edges_restored = false;  // the frame's, by EdgeRestorer before it was sensed
 };
 class PersonDetector {
@@ -62,6 +64,7 @@ class PersonDetector {
  private:
   JointEvidence evidence(const Person& person) const;
   Detection without_person(const Detection& refused, MaskImage mask);
+  static void judge_height(DepthView depth, const Intrinsics& intrinsics, MaskView mask, Detection& detection);
   void judge_pose(DepthView depth, const Intrinsics& intrinsics, MaskView mask, const Lean& lean,
                   Detection& detection);
 
@@ -94,9 +97,13 @@ class Fuser {
     int distance_mm = 0;  // of the trunk's middle, along the camera's axis; 65535 at most
     PaperMeasurements paper;
     Feature feature;
+    float crown_flatness = 0;  // observe/surroundings.h; not a number where no head is seen
   };
-  // Features of the frames accumulated so far, from a sensor of this kind.
-  const Description& describe(SensorKind kind = SensorKind::unknown);
+  // What lies about the person, of the frames accumulated so far.
+  SurroundingsSigns surroundings() const;
+  // Features of the frames accumulated so far, from a sensor of this kind. `ground_mm`: what the feet stand on, above
+  // the floor; heights count from there.
+  const Description& describe(SensorKind kind = SensorKind::unknown, float ground_mm = 0);
   // The fused picture, for overlays: depth in 1/16 mm and mask.
   ImageView<const std::uint16_t> depth_q4() const;
   MaskView mask() const;

@@ -92,6 +92,18 @@ void PersonDetector::judge_pose(DepthView depth, const Intrinsics& intrinsics, M
   if (detection.arms_close != 0) pose |= static_cast<GuidanceSet>(Guidance::arms_close);
   detection.guidance |= pose & pose_codes_seen(detection.guidance, detection.view);
   if (!has(detection.guidance, Guidance::arms_close)) detection.arms_close = 0;
+  judge_height(depth, intrinsics, mask, detection);
+}
+
+// Once the whole person is seen to stand. What children are asked for would not help them.
+void PersonDetector::judge_height(DepthView depth, const Intrinsics& intrinsics, MaskView mask,
+                                  Detection& detection) {
+  constexpr auto kArms = static_cast<GuidanceSet>(Guidance::arms_close);
+  if ((detection.guidance & ~kArms) != 0) return;
+  detection.height_mm = mask_height_mm(depth, mask, intrinsics, detection.person);
+  if (!stands_small(detection.height_mm, detection.joints, detection.person.floor)) return;
+  detection.guidance = static_cast<GuidanceSet>(Guidance::out_of_population);
+  detection.arms_close = 0;
 }
 
 JointEvidence PersonDetector::evidence(const Person& person) const {

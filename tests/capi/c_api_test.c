@@ -475,6 +475,35 @@ static void only_the_requested_user(void) {
   CHECK(open_with_fake_stages(&settings) == NULL);
 }
 
+/* What is wrong with a frame, and what to do: a wall 3 m away in tenths of a millimetre. */
+static void diagnoses(void) {
+  im2fit_settings settings = small_settings();
+  im2fit_handle* handle = open_with_fake_stages(&settings);
+  uint16_t depth[PIXELS];
+  for (int i = 0; i < PIXELS; ++i) depth[i] = 30001;
+  struct {
+    im2fit_diagnosis known;
+    int32_t newer;
+  } place = {{0, 0, 0, ""}, 7};
+  CHECK(im2fit_diagnose(handle, depth, WIDTH, HEIGHT, 0, &place.known, sizeof place) == IM2FIT_OK);
+  CHECK(place.known.code == IM2FIT_DIAGNOSIS_UNIT && place.known.unit_mm == 0.1F && place.known.rotate_deg == 0);
+  CHECK(strcmp(place.known.text, "values look like 0.1 mm units; try --unit 0.1") == 0);
+  CHECK(place.newer == 0);
+  CHECK(strcmp(im2fit_diagnosis_name(place.known.code), "UNIT") == 0);
+  CHECK(im2fit_diagnosis_name(0)[0] == '\0' && im2fit_diagnosis_name(12) == NULL && im2fit_diagnosis_name(-1) == NULL);
+  for (int i = 0; i < PIXELS; ++i) depth[i] = 3000;
+  CHECK(im2fit_diagnose(handle, depth, WIDTH, HEIGHT, 0, &place.known, sizeof place.known) == IM2FIT_OK);
+  CHECK(place.known.code == IM2FIT_DIAGNOSIS_NONE && place.known.text[0] == '\0');
+  CHECK(im2fit_diagnose(handle, depth, HEIGHT, WIDTH, 0, &place.known, sizeof place.known) ==
+        IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(im2fit_diagnose(handle, depth, WIDTH, HEIGHT, WIDTH - 1, &place.known, sizeof place.known) ==
+        IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(im2fit_diagnose(handle, NULL, WIDTH, HEIGHT, 0, &place.known, sizeof place.known) ==
+        IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(im2fit_diagnose(handle, depth, WIDTH, HEIGHT, 0, NULL, 0) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  im2fit_close(handle);
+}
+
 /* Front, then back: the preliminary answer, the guidance, and both sides in the end. */
 static void front_then_back(int single_thread) {
   im2fit_settings settings = small_settings();
@@ -595,6 +624,7 @@ int main(int argc, char** argv) {
   known_facts_are_evidence(0);
   known_facts_are_evidence(1);
   only_the_requested_user();
+  diagnoses();
   front_then_back(0);
   front_then_back(1);
   the_mask_is_of_the_latest_frame(0);

@@ -72,10 +72,11 @@ class FakeStages : public FrameStages {
     std::atomic<int> fit_delay_us{0};
     std::atomic<bool> describable{true};
     std::atomic<bool> back_describable{true};
-    std::atomic<bool> turns{true};     // false: the person cannot be measured from more sides
-    std::atomic<bool> damaged{false};  // the index, where the person measured would read it
-    std::atomic<float> front_x{-1};    // where the camera was of the frame added last; -1: not told
-    std::atomic<float> follow_x{-1};   // the same of the picture followed last
+    std::atomic<bool> turns{true};                   // false: the person cannot be measured from more sides
+    std::atomic<bool> damaged{false};                // the index, where the person measured would read it
+    std::atomic<GuidanceSet> refused{0}, beside{0};  // what the measurement is found to be
+    std::atomic<float> front_x{-1};                  // where the camera was of the frame added last; -1: not told
+    std::atomic<float> follow_x{-1};                 // the same of the picture followed last
   };
   explicit FakeStages(Control& control) : control_(control) {}
 
@@ -151,6 +152,8 @@ class FakeStages : public FrameStages {
       person.answer.measurements[i] = {value, value - 10, value + 10};
       person.paper[i] = value + 0.5F;
     }
+    person.plausibility.refused = control_.refused;
+    person.plausibility.beside = control_.beside;
     person.around = turned_ && turned_deg_ >= kTurnEnoughDeg;
     person.answer.female = 0.25F;
     person.age = {{40, 20, 70}, {0.125F, 0.5F, 0.25F, 0.125F}};

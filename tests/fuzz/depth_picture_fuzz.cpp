@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::vector<std::uint16_t> out(static_cast<std::size_t>(header->width) * static_cast<std::size_t>(header->height));
   const DepthImage image(out.data(), header->width, header->height);
   if (!hal::decode_depth(bytes, "picture", image)) return 0;
-  const std::string diagnosis = hal::depth_diagnosis(DepthView(out.data(), header->width, header->height));
+  const std::string diagnosis = hal::depth_diagnosis(DepthView(out.data(), header->width, header->height)).text;
   if (diagnosis.find('\n') != std::string::npos) __builtin_trap();
   return 0;
 }

@@ -111,6 +111,27 @@ TEST_F(Poses, BowedTrunksLeanAndLegsStand) {
   EXPECT_GT(aside, 15);
 }
 
+// By the angle of three joints; both knees alike, before the feet, which stay below the hips.
+TEST_F(Poses, SquatsBendBothKneesOverTheFeet) {
+  float least = 180, most = 0;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    Rng rng(seed);
+    const JointSet j = joints(draw_pose(skeleton_, StandingPose::squat, rng));
+    const auto bend_deg = [&](Joint hip, Joint knee, Joint foot) {
+      return std::acos(dot(normalized(j[knee] - j[hip]), normalized(j[foot] - j[knee]))) * 57.29578F;
+    };
+    const float left = bend_deg(Joint::LH, Joint::LK, Joint::LF), right = bend_deg(Joint::RH, Joint::RK, Joint::RF);
+    EXPECT_NEAR(left, right, 15) << seed;
+    least = std::min(least, left);
+    most = std::max(most, left);
+    EXPECT_GT(j[Joint::LK].z, j[Joint::LF].z + 60) << seed;
+    EXPECT_NEAR(j[Joint::LF].z, j[Joint::LH].z, 200) << seed;
+  }
+  EXPECT_GT(least, 24);
+  EXPECT_LT(least, 45);
+  EXPECT_GT(most, 85);
+}
+
 TEST_F(Poses, SameSeedSamePose) {
   for (const StandingPose pose : {StandingPose::relaxed, StandingPose::free, StandingPose::bowed}) {
     Rng a(4), b(4), c(5);

@@ -63,8 +63,9 @@ Result<StandingPose> pose_of(const std::string& word) {
   if (word == "free") return StandingPose::free;
   if (word == "bowed") return StandingPose::bowed;
   if (word == "arms_out") return StandingPose::arms_out;
+  if (word == "squat") return StandingPose::squat;
   return Error{ErrorCode::invalid_argument,
-               "no pose '" + word + "'; use relaxed, arms_out, a_pose, psi, free or bowed"};
+               "no pose '" + word + "'; use relaxed, arms_out, a_pose, psi, free, bowed or squat"};
 }
 
 SyntheticPerson::SyntheticPerson(const body::BodyModel& model, const PersonOptions& options)

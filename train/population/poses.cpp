@@ -52,6 +52,7 @@ ArmAngles draw_arm(StandingPose pose, Rng& rng, float spread_min_deg) {
               gauss(rng, 8)};
     case StandingPose::psi:
       return {90 + gauss(rng, 8), gauss(rng, 6), 88 + gauss(rng, 9), 90 + gauss(rng, 9), gauss(rng, 8)};
+    case StandingPose::squat:
     case StandingPose::arms_out:
       return {draw(rng, 30, 40), gauss(rng, 4), std::clamp(8 + gauss(rng, 5), 2.0F, 20.0F), gauss(rng, 12),
               gauss(rng, 8)};
@@ -125,7 +126,8 @@ class Builder {
       bow();
       return;
     }
-    rotation(Segment::pelvis) = free() ? jitter(4, 0, 3) : jitter(1.5, 0, 1.0);
+    if (pose_ == StandingPose::squat) bent_knee_deg_ = draw(rng_, 30, 100);
+    rotation(Segment::pelvis) = about(kX, 0.12F * bent_knee_deg_) * (free() ? jitter(4, 0, 3) : jitter(1.5, 0, 1.0));
     rotation(Segment::abdomen) = rotation(Segment::pelvis) * (free() ? jitter(5, 5, 4) : jitter(1.5, 1.2, 1.0));
     rotation(Segment::chest) = rotation(Segment::abdomen) * (free() ? jitter(4, 5, 3) : jitter(1.5, 1.2, 1.0));
     rotation(Segment::neck) = rotation(Segment::chest) * (free() ? jitter(4, 6, 3) : jitter(3, 2, 1.5));
@@ -203,9 +205,10 @@ class Builder {
     const Vec3f along = rest_direction(upper);
     const float swing = free() ? gauss(rng_, 12) : gauss(rng_, 1.5);
     const float stance = free() ? draw(rng_, -4, 14) : gauss(rng_, 2);
-    const float knee = std::fabs(free() ? gauss(rng_, 16) : gauss(rng_, 3));
+    const float knee = bent_knee_deg_ + std::fabs(free() ? gauss(rng_, 16) : gauss(rng_, 3));
     // A bent knee goes with a thigh brought forward by half of it, so that the foot stays below.
-    const Mat3f turn = about(kX, -(swing + knee / 2)) * about(kZ, side * stance);
+    // Of a squat the pelvis leans, which the thigh, relative to it, makes up for.
+    const Mat3f turn = about(kX, -(swing + knee / 2 + 0.12F * bent_knee_deg_)) * about(kZ, side * stance);
     rotation(upper) = body::rotation_between(pelvis * along, normalized(turn * along)) * pelvis;
     const Mat3f toes = about(kY, side * (free() ? gauss(rng_, 8) : 3 + gauss(rng_, 5)));
     rotation(upper) = toes * rotation(upper);
@@ -401,6 +404,7 @@ class Builder {
   const body::Skeleton& rest_;
   StandingPose pose_;
   bool free_arms_;
+  float bent_knee_deg_ = 0;  // both
   Rng& rng_;
   const TrunkShape* shape_;
   body::Pose result_;

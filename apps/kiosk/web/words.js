@@ -5,8 +5,8 @@
 const kLanguages = ['en', 'de', 'es', 'fr', 'zh'];
 // What to ask for first: who is not wholly in view need not hear about their arms.
 const kOrder = ['NO_PERSON', 'TURN_ROUND', 'TURN_SLOWER', 'WALK_ROUND', 'SEVERAL_PEOPLE', 'TOO_NEAR', 'TOO_FAR', 'HEAD_CUT', 'FEET_CUT', 'SIDE_CUT',
-                'STEP_TO_THE_MIDDLE', 'DEPTH_MISSING',
-                'CALIBRATION_POSE', 'NOT_FRONTAL', 'NOT_UPRIGHT', 'ARMS_CLOSE', 'MOVING', 'TOO_NOISY', 'TURN_ON', 'CLOTHED'];
+                'STEP_TO_THE_MIDDLE', 'DEPTH_MISSING', 'CALIBRATION_POSE', 'NOT_FRONTAL', 'NOT_UPRIGHT', 'ARMS_CLOSE', 'MOVING', 'TOO_NOISY',
+                'FLOOR_BENT', 'OUT_OF_POPULATION', 'TURN_ON', 'FEET_RAISED', 'HEAD_UNSEEN', 'CLOTHED'];
 // Unicode CLDR, measurementSystem: the regions that measure people in inches and pounds.
 const kInchRegions = ['US', 'LR', 'MM'];
 

@@ -456,11 +456,19 @@ typedef enum im2fit_guidance {
   IM2FIT_GUIDANCE_TURN_ON = 1 << 15,     /* turn on the spot, slowly, all round. The person cannot see a screen */
   IM2FIT_GUIDANCE_TURN_SLOWER = 1 << 16, /* the same, and slower */
   IM2FIT_GUIDANCE_WALK_ROUND = 1 << 17,  /* to who holds the camera: walk on round the person */
+  /* Not measured: the person is unlike all whom the models were learned from, by stature or proportions. */
+  IM2FIT_GUIDANCE_OUT_OF_POPULATION = 1 << 18,
+  /* Not measured: the depth shows a flat floor curved. Its lens, or the kind of its distances, is not as told. */
+  IM2FIT_GUIDANCE_FLOOR_BENT = 1 << 19,
+  /* Beside an answer: the feet stand on something above the floor; heights count from there. */
+  IM2FIT_GUIDANCE_FEET_RAISED = 1 << 20,
+  /* Beside an answer: the top of the head has no depth; the interval of the stature is wider upwards. */
+  IM2FIT_GUIDANCE_HEAD_UNSEEN = 1 << 21,
   /* One surface with a wall or a shelf, which cannot be told apart: step away from it. */
-  IM2FIT_GUIDANCE_STEP_TO_THE_MIDDLE = 1 << 23,
-  IM2FIT_GUIDANCE_DEPTH_MISSING = 1 << 24 /* a part of the body gives no depth: dark or shiny clothes */
+  IM2FIT_GUIDANCE_STEP_TO_THE_MIDDLE = 1 << 22,
+  IM2FIT_GUIDANCE_DEPTH_MISSING = 1 << 23 /* a part of the body gives no depth: dark or shiny clothes */
 } im2fit_guidance;
-#define IM2FIT_GUIDANCE_COUNT 25
+#define IM2FIT_GUIDANCE_COUNT 24
 
 /* The arms, the person's own left and right: bits. */
 typedef enum im2fit_arm { IM2FIT_ARM_LEFT = 1 << 0, IM2FIT_ARM_RIGHT = 1 << 1 } im2fit_arm;
@@ -791,10 +799,42 @@ IM2FIT_API int im2fit_dressed_avatar(im2fit_handle* handle, const im2fit_worn* w
 
 /* ---- Names ----------------------------------------------------------------------------------------------------- */
 
+/* What is wrong with frames in which no person is found. */
+typedef enum im2fit_diagnosis_code {
+  IM2FIT_DIAGNOSIS_NONE = 0,
+  IM2FIT_DIAGNOSIS_LITTLE_DEPTH = 1,    /* hardly any pixel has depth */
+  IM2FIT_DIAGNOSIS_RAW_DISPARITY = 2,   /* a Kinect's, 11 bits */
+  IM2FIT_DIAGNOSIS_BYTES_SWAPPED = 3,   /* each value has its bytes in the other order */
+  IM2FIT_DIAGNOSIS_PLAYER_BITS = 4,     /* three bits below the depth */
+  IM2FIT_DIAGNOSIS_CONFIDENCE_BITS = 5, /* three bits above the depth: use IM2FIT_FORMAT_DEPTH16 */
+  IM2FIT_DIAGNOSIS_FLOAT_VALUES = 6,    /* floating point read as 16-bit integers */
+  IM2FIT_DIAGNOSIS_NO_DEPTH_PICTURE = 7,
+  IM2FIT_DIAGNOSIS_UNIT = 8,         /* values are not millimetres: see unit_mm */
+  IM2FIT_DIAGNOSIS_ROTATED = 9,      /* the camera is on its side: see rotate_deg */
+  IM2FIT_DIAGNOSIS_CENTRE = 10,      /* cx and cy are those of the other orientation */
+  IM2FIT_DIAGNOSIS_FIELD_OF_VIEW = 11 /* under 25 or over 130 degrees by fx and fy */
+} im2fit_diagnosis_code;
+
+typedef struct im2fit_diagnosis {
+  int32_t code;       /* IM2FIT_DIAGNOSIS_... */
+  int32_t rotate_deg; /* of ROTATED: the rotation that makes the picture upright; else 0 */
+  float unit_mm;      /* of UNIT and PLAYER_BITS: millimetres per unit; 0: not known */
+  char text[244];     /* what it looks like and what to do, as the programs print it, in English; "" for NONE */
+} im2fit_diagnosis;
+
+/* Why a frame shows no person: looks at an upright frame as im2fit_push takes it, with the intrinsics of the settings.
+ * It measures nothing and changes no session. Up to some tenths of a second: call it when nobody was found for long,
+ * not for every frame. `struct_size` is sizeof(im2fit_diagnosis) of the caller's header.
+ * Errors: INVALID_ARGUMENT: depth_mm or diagnosis is NULL; the size is not that of the settings; the stride is less
+ * than the width. */
+IM2FIT_API int im2fit_diagnose(im2fit_handle* handle, const uint16_t* depth_mm, int32_t width, int32_t height,
+                               size_t stride, im2fit_diagnosis* diagnosis, size_t struct_size);
+
 /* Names as in result.json. NULL for a number out of range. They need no handle: any thread, at any time. */
 
 IM2FIT_API const char* im2fit_state_name(int state);    /* "TRACKING" */
-IM2FIT_API const char* im2fit_guidance_name(int bit);   /* 0..24: "TOO_NEAR" is bit 1. NULL: no code */
+IM2FIT_API const char* im2fit_guidance_name(int bit);   /* 0..23: "TOO_NEAR" is bit 1 */
+IM2FIT_API const char* im2fit_diagnosis_name(int code); /* "UNIT"; "" for NONE */
 IM2FIT_API const char* im2fit_measurement_name(int id); /* "chest_girth" */
 IM2FIT_API const char* im2fit_measurement_unit(int id); /* "mm" or "kg" */
 IM2FIT_API const char* im2fit_joint_name(int joint);    /* "HE" */

@@ -317,6 +317,29 @@ static jint native_mask(JNIEnv* env, jclass type, jlong handle, jbyteArray pixel
   return IM2FIT_OK;
 }
 
+// depth: an upright frame, millimetres; numbers: code and rotation; unit: one value. The text, or null with the status in
+// numbers[0] below zero.
+static jbyteArray native_diagnose(JNIEnv* env, jclass type, jlong handle, jshortArray depth, jint width, jint height,
+                                  jintArray numbers, jfloatArray unit) {
+  (void)type;
+  im2fit_diagnosis found;
+  jint n[2] = {IM2FIT_ERROR_NO_MEMORY, 0};
+  jbyteArray text = NULL;
+  jshort* from = (*env)->GetShortArrayElements(env, depth, NULL);
+  if (from) {
+    const int status = im2fit_diagnose(handle_of(handle), (const uint16_t*)from, width, height, 0, &found, sizeof found);
+    (*env)->ReleaseShortArrayElements(env, depth, from, JNI_ABORT);
+    n[0] = status == IM2FIT_OK ? found.code : status;
+    if (status == IM2FIT_OK) {
+      n[1] = found.rotate_deg;
+      (*env)->SetFloatArrayRegion(env, unit, 0, 1, &found.unit_mm);
+      text = bytes_of(env, found.text);
+    }
+  }
+  (*env)->SetIntArrayRegion(env, numbers, 0, 2, n);
+  return text;
+}
+
 // names: byte[SIZES_MAX][]; counted: their number and the likeliest's index.
 static jint native_sizes(JNIEnv* env, jclass type, jlong handle, jobjectArray names, jfloatArray probabilities,
                          jintArray counted) {
@@ -507,6 +530,7 @@ JNIEXPORT jint JNICALL JNI_OnLoad(JavaVM* machine, void* reserved) {
       {"act", "(JII)I", (void*)native_act},
       {"poll", "(J[J[F)I", (void*)native_poll},
       {"mask", "(J[B[J)I", (void*)native_mask},
+      {"diagnose", "(J[SII[I[F)[B", (void*)native_diagnose},
       {"guidanceText", "(I[B)[B", (void*)native_guidance_text},
       {"sizes", "(J[[B[F[I)I", (void*)native_sizes},
       {"tapeCount", "()I", (void*)native_tape_count},

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 __version__ = "1.0.0"
 
-__all__ = ["Camera", "Clothing", "DepthFolder", "DepthFrame", "Error", "Estimate", "GarmentFit", "Guidance", "GuidanceCode",
+__all__ = ["Camera", "Clothing", "DepthFolder", "DepthFrame", "Diagnosis", "Error", "Estimate", "GarmentFit", "Guidance", "GuidanceCode",
            "Mask", "Models", "Person", "Sensor", "Session", "Settings", "Sex", "State", "Status", "TapeStatus", "TapeValue", "Turn",
            "User", "Verdict", "View", "garment_names", "garments", "guidance_text", "joint_names", "measure", "read_folder",
            "rig_node_parents", "rig_nodes", "tape_names", "version"]
@@ -167,6 +167,17 @@ class Mask:
     user_id: int
     sequence: int
     time_ns: int
+
+
+@dataclasses.dataclass(frozen=True)
+class Diagnosis:
+    """Why a frame shows no person. `code`: "" for nothing, else as IM2FIT_DIAGNOSIS_...: "UNIT", "ROTATED", ... `unit_mm` and
+    `rotate_deg`: what makes it right, 0 where the code is about something else. `text`: the same as the programs print."""
+
+    code: str
+    text: str
+    unit_mm: float
+    rotate_deg: int
 
 
 @dataclasses.dataclass(frozen=True)
@@ -392,6 +403,19 @@ class Session:
         pixels = np.empty((info.height, info.width), np.uint8)
         self._check(_lib().im2fit_mask(handle, pixels.ctypes.data, pixels.size, ctypes.byref(info), ctypes.sizeof(info)))
         return Mask(pixels != 0, info.user_id, info.sequence, info.time_ns)
+
+    def diagnose(self, depth: npt.NDArray[np.uint16]) -> Diagnosis:
+        """Why a frame shows no person: values in another unit or byte order, a camera on its side, intrinsics of another picture.
+        `depth`: as for push(), uint16. Up to some tenths of a second: not for every frame."""
+        depth = np.asarray(depth)
+        if depth.shape != self._size or depth.dtype != np.uint16:
+            raise ValueError(f"depth is {depth.dtype} {depth.shape}, expected uint16 {self._size}")
+        upright = np.ascontiguousarray(np.rot90(depth, -self._rotate_deg // 90))
+        found = _c.Diagnosis()
+        height, width = upright.shape
+        self._check(_lib().im2fit_diagnose(self._open_handle(), upright.ctypes.data_as(ctypes.POINTER(ctypes.c_uint16)), width,
+                                           height, 0, ctypes.byref(found), ctypes.sizeof(found)))
+        return Diagnosis(_lib().im2fit_diagnosis_name(found.code).decode(), found.text.decode(), found.unit_mm, found.rotate_deg)
 
     def users(self) -> list[User]:
         """All people in the latest frame, nearest first."""

@@ -91,6 +91,10 @@ class SizeFit(c.Structure):
     _fields_ = [("name", c.c_char * 32), ("cost", c.c_float), ("region_count", c.c_int32), ("regions", RegionFit * REGIONS)]
 
 
+class Diagnosis(c.Structure):
+    _fields_ = [("code", c.c_int32), ("rotate_deg", c.c_int32), ("unit_mm", c.c_float), ("text", c.c_char * 244)]
+
+
 class Worn(c.Structure):
     _fields_ = [("garment", c.c_char_p), ("size", c.c_char_p)]
 
@@ -165,6 +169,9 @@ def load(path: str | None = None) -> c.CDLL:
             ("tape_count", c.c_size_t, []), ("tape_id", c.c_char_p, [c.c_size_t]), ("tape_unit", c.c_char_p, [c.c_size_t]),
             ("tape_iso", c.c_char_p, [c.c_size_t]), ("tape_name", c.c_char_p, [c.c_size_t, c.c_char_p]),
             ("joint_name", c.c_char_p, [c.c_int]), ("state_name", c.c_char_p, [c.c_int]),
+            ("diagnose", c.c_int, [pointer, c.POINTER(c.c_uint16), c.c_int32, c.c_int32, c.c_size_t, c.POINTER(Diagnosis),
+                                   c.c_size_t]),
+            ("diagnosis_name", c.c_char_p, [c.c_int]),
             ("guidance_name", c.c_char_p, [c.c_int]), ("guidance_text", c.c_char_p, [c.c_int, c.c_char_p])))
     return lib
 

@@ -80,8 +80,12 @@ class GuidanceCode(_Number):
     TURN_ON = 1 << 15
     TURN_SLOWER = 1 << 16
     WALK_ROUND = 1 << 17
-    STEP_TO_THE_MIDDLE = 1 << 23
-    DEPTH_MISSING = 1 << 24
+    OUT_OF_POPULATION = 1 << 18
+    FLOOR_BENT = 1 << 19
+    FEET_RAISED = 1 << 20
+    HEAD_UNSEEN = 1 << 21
+    STEP_TO_THE_MIDDLE = 1 << 22
+    DEPTH_MISSING = 1 << 23
 
 
 class View(_Number):

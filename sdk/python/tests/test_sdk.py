@@ -354,6 +354,17 @@ class Measuring(unittest.TestCase):
             session.reset()
             self.assertIsNone(session.mask())
 
+    def test_a_diagnosis_names_the_unit_in_which_a_person_is_found(self):
+        folder = im2fit.read_folder(GOLDEN / "clip")
+        with im2fit.Session(**vars(folder.camera), models=models(), single_thread=1, **FRAMES) as session:
+            depth = next(iter(folder)).depth
+            self.assertEqual(session.diagnose(depth), im2fit.Diagnosis("", "", 0, 0))
+            found = session.diagnose(4 * depth)
+            self.assertEqual((found.code, found.unit_mm), ("UNIT", 0.25))
+            self.assertEqual(found.text, "values look like quarters of a millimetre; try --unit 0.25")
+            with self.assertRaisesRegex(ValueError, "expected uint16"):
+                session.diagnose(depth.astype(np.float32))
+
     def test_an_avatar_is_made_when_asked(self):
         folder = im2fit.read_folder(GOLDEN / "clip")
         with im2fit.Session(**vars(folder.camera), models=models(), **FRAMES) as session:

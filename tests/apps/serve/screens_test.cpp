@@ -89,7 +89,7 @@ const apps::Json kDoubted = {{"given",
                                {"weight", {{"value", 130}, {"sd", 3}, {"unit", "kg"}}}}},
                              {"used", {"stature"}},
                              {"doubted", {"weight"}}};
-constexpr int kStatesLooked = 37;
+constexpr int kStatesLooked = 41;
 constexpr std::pair<int, int> kScreens[] = {{390, 844}, {800, 1280}, {1280, 800}, {1920, 1080}};
 
 class Screens : public testing::Test {

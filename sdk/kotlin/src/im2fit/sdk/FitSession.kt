@@ -85,6 +85,20 @@ class FitSession @JvmOverloads constructor(
     }
 
     /**
+     * Why a frame shows no person. Up to some tenths of a second: not for every frame.
+     *
+     * @param depthMm an upright frame, millimetres, rows of [width] values from the top; unsigned, 0: no data
+     */
+    fun diagnose(depthMm: ShortArray, width: Int, height: Int): Diagnosis = open.read {
+        require(depthMm.size == width * height) { "depthMm has ${depthMm.size} values, expected $width x $height" }
+        val numbers = IntArray(2)
+        val unit = FloatArray(1)
+        val text = Native.diagnose(alive(), depthMm, width, height, numbers, unit)
+        if (numbers[0] < 0) check(numbers[0])
+        Diagnosis(DiagnosisCode.values()[numbers[0]], Native.text(text).orEmpty(), unit[0], numbers[1])
+    }
+
+    /**
      * Pushes [frames] until the measurement. Yields the progress each time that the display for the person changes. Lazy:
      * frames are taken from the sequence as the result is iterated over.
      */

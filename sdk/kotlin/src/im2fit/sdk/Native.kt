@@ -47,6 +47,9 @@ internal object Native {
     @JvmStatic external fun act(handle: Long, what: Int, number: Int): Int
     @JvmStatic external fun poll(handle: Long, longs: LongArray, floats: FloatArray): Int
     @JvmStatic external fun mask(handle: Long, pixels: ByteArray?, longs: LongArray): Int
+    @JvmStatic external fun diagnose(
+        handle: Long, depth: ShortArray, width: Int, height: Int, numbers: IntArray, unit: FloatArray
+    ): ByteArray?
     @JvmStatic external fun guidanceText(bit: Int, language: ByteArray): ByteArray?
     @JvmStatic external fun sizes(
         handle: Long, names: Array<ByteArray?>, probabilities: FloatArray, counted: IntArray

@@ -31,19 +31,39 @@ enum class Guidance {
     TURN_SLOWER,
     /** To who holds the phone: walk on round the person. */
     WALK_ROUND,
+    /** Not measured: the person is unlike those that the models were learned from. */
+    OUT_OF_POPULATION,
+    /** Not measured: the floor is curved in the depth. The camera's lens or its kind of distance is not as told. */
+    FLOOR_BENT,
+    /** The feet stand on something above the floor; heights count from there. */
+    FEET_RAISED,
+    /** The top of the head has no depth; heights are less certain upwards. */
+    HEAD_UNSEEN,
     /** One surface with a wall or a shelf that cannot be told apart: step away from it. */
     STEP_TO_THE_MIDDLE,
     /** A part of the body gives no depth: dark or shiny clothes. */
     DEPTH_MISSING;
 
-    /** Its bit in the library; 18 to 22 are kept. */
-    internal val bit: Int get() = if (ordinal <= WALK_ROUND.ordinal) ordinal else ordinal + 5
-
     /** What to say to the person, in at most six words: "Step back". [language]: "en", "de", "es", "fr" or "zh". */
     @JvmOverloads
     fun text(language: String = "en"): String =
-        requireNotNull(Native.text(Native.guidanceText(bit, language.toByteArray()))) { "no language '$language'" }
+        requireNotNull(Native.text(Native.guidanceText(ordinal, language.toByteArray()))) { "no language '$language'" }
 }
+
+/** What is wrong with frames in which no person is found. Order of IM2FIT_DIAGNOSIS_... */
+enum class DiagnosisCode {
+    NONE, LITTLE_DEPTH, RAW_DISPARITY, BYTES_SWAPPED, PLAYER_BITS, CONFIDENCE_BITS, FLOAT_VALUES, NO_DEPTH_PICTURE, UNIT,
+    ROTATED, CENTRE, FIELD_OF_VIEW
+}
+
+/**
+ * Why a frame shows no person.
+ *
+ * @property text what it looks like and what to do, as the programs print it, in English; "" for NONE
+ * @property unitMm of UNIT and PLAYER_BITS: millimetres per unit; 0: not known
+ * @property rotateDeg of ROTATED: the rotation that makes the picture upright
+ */
+data class Diagnosis(val code: DiagnosisCode, val text: String, val unitMm: Float, val rotateDeg: Int)
 
 /**
  * The pixels of the person in a frame, to draw over the picture.
@@ -104,4 +124,4 @@ data class Progress(
 }
 
 internal inline fun <reified T : Enum<T>> bitsOf(bits: Long): Set<T> =
-    enumValues<T>().filterTo(LinkedHashSet()) { bits shr ((it as? Guidance)?.bit ?: it.ordinal) and 1L == 1L }
+    enumValues<T>().filterTo(LinkedHashSet()) { bits shr it.ordinal and 1L == 1L }
