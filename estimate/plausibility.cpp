@@ -8,7 +8,7 @@
 //   [people]  300 ordinary people of three makes (ansur, other, modifiers), condition noise, 2026-11-30: what they
 //             have at most. docs/notebook/limits.md has the table, and false alarms by build and stature
 //   [scenes]  the same people in scenes made wrong: floors bent, grounds raised, crowns without depth, knees bent
-//   [ansur]   ANSUR II, the survey that the population is drawn from (docs/population.md)
+//   [ansur]   ANSUR II, the survey that the population is drawn from (docs/populations.md)
 namespace im2fit::plausibility_limits {
 
 // Ordinary floors have 0.02 at most, distances from the camera 0.44, a lens with k1 of 0.08 that is not undone 0.07,

@@ -52,6 +52,14 @@ public enum TapeValue: Equatable {
     case refused(reason: String)
 }
 
+/// Why a frame shows no person.
+public struct Diagnosis: Equatable {
+    public let code: String        // "UNIT"; "" where nothing is wrong
+    public let text: String        // what it looks like and what to do, in English
+    public let unitMm: Float       // of UNIT and PLAYER_BITS: millimetres per unit; 0: not known
+    public let rotateDeg: Int32    // of ROTATED: the rotation that makes the picture upright
+}
+
 /// A mesh in mm, the soles on y = 0.
 public struct Mesh: Equatable {
     public let vertices: [Float]   // x y z of each

@@ -256,6 +256,16 @@ public final class FitSession {
                     sequence: info.sequence, timeNs: info.time_ns)
     }
 
+    /// Why an upright frame of the session's size shows no person: `millimetres`, row by row. Takes up to some tenths of a
+    /// second; changes nothing.
+    public func diagnose(millimetres: UnsafePointer<UInt16>, width: Int32, height: Int32) throws -> Diagnosis {
+        var found = im2fit_diagnosis()
+        try check(im2fit_diagnose(handle, millimetres, width, height, 0, &found, MemoryLayout<im2fit_diagnosis>.size))
+        let text = withUnsafeBytes(of: &found.text) { String(decoding: $0.prefix { $0 != 0 }, as: UTF8.self) }
+        return Diagnosis(code: FitSession.text(im2fit_diagnosis_name(found.code)), text: text, unitMm: found.unit_mm,
+                         rotateDeg: found.rotate_deg)
+    }
+
     /// Ends the stream and measures with the accepted frames.
     public func finish() throws -> Outcome {
         try check(im2fit_finish(handle))
