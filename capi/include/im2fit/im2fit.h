@@ -141,7 +141,7 @@ typedef struct im2fit_settings {
   im2fit_data body_data;
   const char* calibration_site_path; /* .i2c: corrects every measurement (docs/calibration.md). NULL: none */
   im2fit_data calibration_site_data; /* replaces the path */
-  const char* pack_path; /* .i2p: holds tracker, index and body. A model with a path or data of its own is read there */
+  const char* pack_path; /* .i2p: has tracker, index and body. A model with a path or data of its own is read there */
   im2fit_data pack_data; /* replaces the path */
 } im2fit_settings;
 
@@ -300,9 +300,10 @@ IM2FIT_API int im2fit_next(im2fit_handle* handle);
  * Errors: INVALID_ARGUMENT: the id is negative. */
 IM2FIT_API int im2fit_select_user(im2fit_handle* handle, int32_t user_id);
 
-/* From the next frame on only people whose feet are within this rectangle on the floor are measured: x to the right as
- * the camera sees it, z away from the camera, from the point under the camera. Four zeros: everywhere, as by default.
- * The session goes on; a person of it who is outside has left. Waits for the frames in the pipeline.
+/* From the next frame on only people whose feet are within this rectangle on the floor are measured. x goes to the
+ * right as the camera sees it, z away from the camera. Both begin at the point under the camera. Four zeros:
+ * everywhere, as by default. The session goes on; a person of it who is outside has left. Waits for the frames in the
+ * pipeline.
  * Errors: INVALID_ARGUMENT: a number is not finite or above 20000, or x0 < x1 and z0 < z1 do not hold. */
 IM2FIT_API int im2fit_set_region(im2fit_handle* handle, float x0_mm, float z0_mm, float x1_mm, float z1_mm);
 
@@ -574,7 +575,7 @@ typedef struct im2fit_result {
    * A turn all round has no number of frames: show turned_deg. */
   int32_t frames_wanted;
   /* Of `users`, bit 0 the first: who is not measured. Outside of im2fit_set_region; a figure that stands as still as
-   * furniture while another person sways, such as a mannequin. im2fit_select_user measures the latter all the same. */
+   * furniture while another person sways, such as a mannequin. im2fit_select_user measures the latter even so. */
   uint32_t users_outside;
   uint32_t users_still;
 } im2fit_result;
@@ -809,9 +810,9 @@ typedef enum im2fit_diagnosis_code {
   IM2FIT_DIAGNOSIS_CONFIDENCE_BITS = 5, /* three bits above the depth: use IM2FIT_FORMAT_DEPTH16 */
   IM2FIT_DIAGNOSIS_FLOAT_VALUES = 6,    /* floating point read as 16-bit integers */
   IM2FIT_DIAGNOSIS_NO_DEPTH_PICTURE = 7,
-  IM2FIT_DIAGNOSIS_UNIT = 8,         /* values are not millimetres: see unit_mm */
-  IM2FIT_DIAGNOSIS_ROTATED = 9,      /* the camera is on its side: see rotate_deg */
-  IM2FIT_DIAGNOSIS_CENTRE = 10,      /* cx and cy are those of the other orientation */
+  IM2FIT_DIAGNOSIS_UNIT = 8,          /* values are not millimetres: see unit_mm */
+  IM2FIT_DIAGNOSIS_ROTATED = 9,       /* the camera is on its side: see rotate_deg */
+  IM2FIT_DIAGNOSIS_CENTRE = 10,       /* cx and cy are those of the other orientation */
   IM2FIT_DIAGNOSIS_FIELD_OF_VIEW = 11 /* under 25 or over 130 degrees by fx and fy */
 } im2fit_diagnosis_code;
 
@@ -822,9 +823,9 @@ typedef struct im2fit_diagnosis {
   char text[244];     /* what it looks like and what to do, as the programs print it, in English; "" for NONE */
 } im2fit_diagnosis;
 
-/* Why a frame shows no person: looks at an upright frame as im2fit_push takes it, with the intrinsics of the settings.
- * It measures nothing and changes no session. Up to some tenths of a second: call it when nobody was found for long,
- * not for every frame. `struct_size` is sizeof(im2fit_diagnosis) of the caller's header.
+/* Why a frame shows no person: looks at an upright frame as im2fit_push takes it, with the intrinsics of the
+ * settings. It measures nothing and changes no session. Up to some tenths of a second: call it when nobody was found
+ * for long, not for every frame. `struct_size` is sizeof(im2fit_diagnosis) of the caller's header.
  * Errors: INVALID_ARGUMENT: depth_mm or diagnosis is NULL; the size is not that of the settings; the stride is less
  * than the width. */
 IM2FIT_API int im2fit_diagnose(im2fit_handle* handle, const uint16_t* depth_mm, int32_t width, int32_t height,
