@@ -133,6 +133,7 @@ im2fit_result to_c(const im2fit::EngineResult& r) {
     out.users[i] = {u.id, u.u_min, u.v_min, u.u_max, u.v_max, u.centroid_mm.x, u.centroid_mm.y, u.centroid_mm.z};
   }
   for (std::size_t i = 0; i < static_cast<std::size_t>(r.user_count); ++i) {
+    if (!r.users[i].confirmed) continue;
     out.users_outside |= r.users[i].left_out == im2fit::LeftOut::outside ? 1U << i : 0;
     out.users_still |= r.users[i].left_out == im2fit::LeftOut::still ? 1U << i : 0;
   }

@@ -16,8 +16,10 @@
 
 #include "capi/include/im2fit/im2fit.h"
 #include "core/camera.h"
+#include "core/file.h"
 #include "core/status.h"
 #include "engine/engine.h"
+#include "formats/model_pack.h"
 #include "hal/source.h"
 
 namespace im2fit {
@@ -145,7 +147,11 @@ Status take_pack(const im2fit_settings& s, MeasuringFiles& files, MeasuringBytes
   if (name.empty()) return Ok{};
   for (std::string* file : {&files.tracker, &files.index, &files.body})
     if (file->empty()) *file = name;
-  return pack ? take_models(*pack, name, files, bytes) : Status(Ok{});
+  if (pack) return take_models(*pack, name, files, bytes);
+  if (is_model_pack(name)) return Ok{};  // load_measuring_data reads it
+  std::vector<std::byte> first;
+  if (auto ok = read_file_into(name, SIZE_MAX, sizeof(std::uint64_t), first); !ok) return ok;
+  return ModelPack::parse(first, name, false).error();
 }
 
 Result<MeasuringData> load_data(const im2fit_settings& s, std::vector<std::string> charts) {

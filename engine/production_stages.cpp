@@ -35,11 +35,12 @@ class ProductionStages final : public SensingStages {
       return true;
     }
     const SurroundingsSigns surroundings = front().surroundings();
-    const Fuser::Description& described = front().describe(sensor_, ground_of(surroundings));
+    const float ground_mm = ground_of(surroundings);  // of both sides: the person stands on one ground
+    const Fuser::Description& described = front().describe(sensor_, ground_mm);
     if (!described.valid) return false;
     std::optional<RefinedQuery::Side> behind;
     if (back() != nullptr) {
-      behind.emplace(RefinedQuery::Side{*back(), back()->describe(sensor_, ground_of(back()->surroundings()))});
+      behind.emplace(RefinedQuery::Side{*back(), back()->describe(sensor_, ground_mm)});
       if (!behind->description.valid) return false;
     }
     auto answer = query_.query({front(), described}, behind);
@@ -56,7 +57,12 @@ class ProductionStages final : public SensingStages {
     person.paper = to_values(described.paper);
     person.joints = described.joints;
     person.floor = described.floor;
-    person.plausibility = judge(surroundings, described, answer->stance);
+    // The front is judged once: what the back adds must not take its answer away.
+    if (back() == nullptr || !front_judged_)
+      person.plausibility = judge(surroundings, described, answer->stance);
+    else
+      person.plausibility = front_person_.plausibility;
+    front_judged_ = true;
     front_person_ = person;
     correct(person.plausibility, person.answer);
     return true;
@@ -81,7 +87,9 @@ class ProductionStages final : public SensingStages {
     std::optional<TurnMeasurement::Camera> camera;
     if (frame.pose) {
       const hal::CameraMotion motion = hal::motion_between(*frame.pose, *front_pose_);
-      camera = {{motion.turn}, motion.step_mm, frame.floor};
+      FloorPlane floor = frame.floor;  // heights count from the ground that the front stood on
+      floor.camera_height_mm -= front_person_.plausibility.ground_mm;
+      camera = {{motion.turn}, motion.step_mm, floor};
     }
     if (!around_->follow(frame.depth, frame.mask, frame.intrinsics, camera)) return false;
     ++followed_;
@@ -96,6 +104,7 @@ class ProductionStages final : public SensingStages {
   void reset_fit() override {
     SensingStages::reset_fit();
     stop_following();
+    front_judged_ = false;
     front_pose_.reset();
   }
 
@@ -114,6 +123,7 @@ class ProductionStages final : public SensingStages {
   }
   // Of Turn::around and walk: the front as measured, and the pictures followed since.
   std::optional<TurnMeasurement> around_;
+  bool front_judged_ = false;  // front_person_ is of this session
   MeasuredPerson front_person_;
   std::optional<hal::CameraPose> front_pose_;
   bool following_ = false;

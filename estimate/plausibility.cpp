@@ -111,16 +111,18 @@ Plausibility judge(const SurroundingsSigns& signs, const Fuser::Description& des
     out.refused = bit_of(Guidance::not_upright);
     return out;
   }
-  if (out.seen_stature_mm < kSeenStatureMinMm || out.seen_stature_mm > kSeenStatureMaxMm) {
+  const bool lost = crown_lost(signs, described.crown_flatness);
+  if (lost) {
+    const float closed_mm = stance.crown_mm - (out.seen_stature_mm - kCrownAboveMm);
+    out.crown_missing_mm = closed_mm > kClosedAboveMm ? kClosedMissingMm : kFollowedMissingMm;
+  }
+  // A short person whose hair gives no depth is not refused for it.
+  if (out.seen_stature_mm + out.crown_missing_mm < kSeenStatureMinMm || out.seen_stature_mm > kSeenStatureMaxMm) {
     out.refused = bit_of(Guidance::out_of_population);
     return out;
   }
   if (out.ground_mm > 0) out.beside |= bit_of(Guidance::feet_raised);
-  if (crown_lost(signs, described.crown_flatness)) {
-    out.beside |= bit_of(Guidance::head_unseen);
-    const float closed_mm = stance.crown_mm - (out.seen_stature_mm - kCrownAboveMm);
-    out.crown_missing_mm = closed_mm > kClosedAboveMm ? kClosedMissingMm : kFollowedMissingMm;
-  }
+  if (lost) out.beside |= bit_of(Guidance::head_unseen);
   return out;
 }
 

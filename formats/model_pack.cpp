@@ -43,6 +43,24 @@ Status check_version(std::span<const std::byte> bytes, const std::string& what) 
                                            (older ? "newer pack" : "newer im2fit, or an older pack")};
 }
 
+Status check_sizes(const ContainerReader& container, const std::string& what) {
+  std::uint64_t sum = 0;
+  for (const auto& [name, entry] : container.entries()) {
+    if (name == kPackManifest) continue;
+    const auto found = container.section(name);
+    if (!found) return found.error();
+    SectionHead head{};
+    if (found->size() < sizeof head)
+      return corrupt(what + ": " + name + " ends after " + std::to_string(found->size()) + " bytes");
+    std::memcpy(&head, found->data(), sizeof head);
+    if (head.size > kPackBytesMax - sum)
+      return corrupt(what + ": its files have more than " + std::to_string(kPackBytesMax) +
+                     " bytes, which no models have");
+    sum += head.size;
+  }
+  return Ok{};
+}
+
 #ifdef IM2FIT_HAVE_ZSTD
 constexpr int kLevel = 19;  // 20 to 22 make no model smaller
 
@@ -67,6 +85,15 @@ Result<std::vector<std::byte>> unpack_zstd(std::span<const std::byte>, std::uint
 #endif
 
 }  // namespace
+
+Error other_format(const std::string& pack, const std::string& kind, const std::string& file, std::uint32_t found,
+                   std::uint32_t read) {
+  const bool older = found < read;
+  return {ErrorCode::unsupported, pack + ": its " + kind + " (" + file + ") is of format " + std::to_string(found) +
+                                      ", " + (older ? "older" : "newer") + " than the " + std::to_string(read) +
+                                      " this im2fit reads; get a " +
+                                      (older ? "newer pack" : "newer im2fit, or an older pack")};
+}
 
 bool is_model_pack(const std::string& path) {
   std::vector<std::byte> first;
@@ -102,6 +129,7 @@ Result<ModelPack> ModelPack::parse(std::span<const std::byte> bytes, const std::
                    std::to_string(kPackBytesMax));
   auto container = ContainerReader::parse(bytes, kPackMagic, kPackVersion, what, check_sections);
   if (!container) return container.error();
+  if (auto ok = check_sizes(*container, what); !ok) return ok.error();
   ModelPack pack;
   pack.what_ = what;
   pack.container_ = std::move(*container);
@@ -113,12 +141,9 @@ Result<std::vector<std::byte>> ModelPack::file(const std::string& section,
   const auto found = container_.section(section);
   if (!found) return found.error();
   const std::string what = what_ + ": " + section;
-  SectionHead head{};
-  if (found->size() < sizeof head) return corrupt(what + " ends after " + std::to_string(found->size()) + " bytes");
+  SectionHead head{};  // which parse has found whole
   std::memcpy(&head, found->data(), sizeof head);
   const auto bytes = found->subspan(sizeof head);
-  if (head.size > kPackBytesMax)
-    return corrupt(what + " is said to have " + std::to_string(head.size) + " bytes, which no model has");
   if (expected && head.size != *expected)
     return corrupt(what + " unpacks to " + std::to_string(head.size) + " bytes, expected " +
                    std::to_string(*expected) + " by the manifest");

@@ -2,9 +2,12 @@
 #include "person/data_files.h"
 
 #include <cstdint>
+#include <cstring>
 #include <utility>
 
-#include "formats/model_pack.h"
+#include "body/model_data.h"
+#include "index/format.h"
+#include "perception/joints/model_data.h"
 
 namespace im2fit {
 namespace {
@@ -21,20 +24,42 @@ Error advised(const Error& error, const char* maker) {
                           (absent ? ", or install a pack with im2fit models install" : "")};
 }
 
-// Of a pack that holds the file among others.
-Result<std::vector<std::byte>> packed_file(const std::string& pack, const char* name) {
-  const auto file = MappedFile::open(pack);
-  if (!file) return file.error();
-  const auto opened = ModelPack::parse(file->bytes(), pack, false);
-  if (!opened) return opened.error();
-  return opened->file(name);
-}
-
-std::string name_in(const std::string& pack, const char* name) {
-  return pack + ": " + name;
-}
+struct KnownModel {
+  const char* file;
+  const char* kind;
+  std::uint32_t version;
+};
+constexpr KnownModel kKnownModels[] = {{kPackedBody, "body", body::kBodyVersion},
+                                       {kPackedTracker, "tracker", joints::kTrackerVersion},
+                                       {kPackedIndex, "index", index::kVersion}};
 
 }  // namespace
+
+Result<std::vector<std::byte>> model_of(const ModelPack& pack, const std::string& path, const std::string& name) {
+  auto bytes = pack.file(name);
+  if (!bytes) return bytes.error();
+  std::uint32_t version = 0;
+  constexpr std::size_t kVersionAt = 4;  // core/container.h
+  if (bytes->size() < kVersionAt + sizeof version) return bytes;
+  std::memcpy(&version, bytes->data() + kVersionAt, sizeof version);
+  for (const KnownModel& known : kKnownModels)
+    if (name == known.file && version != known.version)
+      return other_format(path, known.kind, name, version, known.version);
+  return bytes;
+}
+
+Result<std::vector<std::byte>> model_bytes(const std::string& path, const std::string& name) {
+  if (!is_model_pack(path)) return read_file(path);
+  const auto file = MappedFile::open(path);
+  if (!file) return file.error();
+  const auto pack = ModelPack::parse(file->bytes(), path, false);
+  if (!pack) return pack.error();
+  return model_of(*pack, path, name);
+}
+
+std::string name_in_pack(const std::string& pack, const std::string& name) {
+  return pack + ": " + name;
+}
 
 Status check_data_files(const std::string& tracker, const std::string& index, const std::string& body) {
   const std::pair<const std::string&, const char*> files[] = {
@@ -49,9 +74,9 @@ Status check_data_files(const std::string& tracker, const std::string& index, co
 
 Result<body::BodyModel> load_body(const std::string& path) {
   if (is_model_pack(path)) {
-    auto bytes = packed_file(path, kPackedBody);
+    auto bytes = model_bytes(path, kPackedBody);
     if (!bytes) return bytes.error();
-    return body::BodyModel::parse(std::move(*bytes), name_in(path, kPackedBody));
+    return body::BodyModel::parse(std::move(*bytes), name_in_pack(path, kPackedBody));
   }
   auto model = body::BodyModel::load(path);
   if (!model) return advised(model.error(), kBodyMaker);
@@ -60,9 +85,9 @@ Result<body::BodyModel> load_body(const std::string& path) {
 
 Result<index::Index> load_index(const std::string& path) {
   if (is_model_pack(path)) {
-    auto bytes = packed_file(path, kPackedIndex);
+    auto bytes = model_bytes(path, kPackedIndex);
     if (!bytes) return bytes.error();
-    return index::Index::parse(std::move(*bytes), name_in(path, kPackedIndex));
+    return index::Index::parse(std::move(*bytes), name_in_pack(path, kPackedIndex));
   }
   auto index = index::Index::open(path);
   if (!index) return advised(index.error(), kIndexMaker);
@@ -71,9 +96,9 @@ Result<index::Index> load_index(const std::string& path) {
 
 Result<Tracker> Tracker::load(const std::string& path) {
   if (is_model_pack(path)) {
-    auto bytes = packed_file(path, kPackedTracker);
+    auto bytes = model_bytes(path, kPackedTracker);
     if (!bytes) return bytes.error();
-    return parse(std::move(*bytes), name_in(path, kPackedTracker));
+    return parse(std::move(*bytes), name_in_pack(path, kPackedTracker));
   }
   auto file = MappedFile::open(path);
   if (!file) return advised(file.error(), kTrackerMaker);

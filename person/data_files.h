@@ -10,6 +10,7 @@
 #include "body/model.h"
 #include "core/file.h"
 #include "core/status.h"
+#include "formats/model_pack.h"
 #include "index/index.h"
 #include "perception/joints/tracker.h"
 
@@ -18,6 +19,14 @@ namespace im2fit {
 // Wherever a path names a body, an index or a tracker, it may name a model pack that holds one.
 Result<body::BodyModel> load_body(const std::string& path);
 Result<index::Index> load_index(const std::string& path);
+
+// A model's bytes, of a file or out of a pack; `name` is what a pack calls it (formats/model_pack.h). Errors: as of
+// reading them; unsupported for a packed model of another format.
+Result<std::vector<std::byte>> model_bytes(const std::string& path, const std::string& name);
+// Of an opened pack.
+Result<std::vector<std::byte>> model_of(const ModelPack& pack, const std::string& path, const std::string& name);
+// "PACK: index.i2f"
+std::string name_in_pack(const std::string& pack, const std::string& name);
 
 // Whether the files can be opened; "" is passed over. Nothing is read. Errors: as of loading them.
 Status check_data_files(const std::string& tracker, const std::string& index, const std::string& body);

@@ -75,9 +75,10 @@ Status take_models(std::span<const std::byte> pack, const std::string& name, con
                                 {files.body, bytes.body, kPackedBody}};
   for (const PackedModel& model : models) {
     if (model.bytes || model.path != name) continue;
-    auto content = opened->file(model.name);
+    auto content = model_of(*opened, name, model.name);
     if (!content) return content.error();
     model.bytes = std::move(*content);
+    bytes.packed.insert(model.name);
   }
   return Ok{};
 }
@@ -100,17 +101,23 @@ Result<MeasuringData> load_measuring_data(const MeasuringFiles& files, Measuring
     data.site = std::make_unique<SiteCalibration>(std::move(*site));
   }
   if (auto ok = unpack_models(files, bytes); !ok) return ok.error();
-  auto tracker =
-      bytes.tracker ? Tracker::parse(std::move(*bytes.tracker), files.tracker) : Tracker::load(files.tracker);
+  // What messages call a model: its file, or the file in its pack.
+  const auto name_of = [&](const std::string& path, const char* name) {
+    return bytes.packed.contains(name) ? name_in_pack(path, name) : path;
+  };
+  auto tracker = bytes.tracker ? Tracker::parse(std::move(*bytes.tracker), name_of(files.tracker, kPackedTracker))
+                               : Tracker::load(files.tracker);
   if (!tracker) return tracker.error();
   data.tracker = std::make_unique<Tracker>(std::move(*tracker));
   std::optional<std::uint32_t> index_crc;
   if (bytes.index) index_crc = crc32c(*bytes.index);
-  auto index = bytes.index ? index::Index::parse(std::move(*bytes.index), files.index) : load_index(files.index);
+  auto index = bytes.index ? index::Index::parse(std::move(*bytes.index), name_of(files.index, kPackedIndex))
+                           : load_index(files.index);
   if (!index) return index.error();
   data.index = std::make_unique<index::Index>(std::move(*index));
   if (!files.body.empty()) {
-    auto model = bytes.body ? body::BodyModel::parse(std::move(*bytes.body), files.body) : load_body(files.body);
+    auto model = bytes.body ? body::BodyModel::parse(std::move(*bytes.body), name_of(files.body, kPackedBody))
+                            : load_body(files.body);
     if (!model) return model.error();
     data.body_model = std::make_unique<body::BodyModel>(std::move(*model));
   }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,6 +30,7 @@ struct MeasuringFiles {
 // The contents of files that a caller has in memory; messages then name them by the path.
 struct MeasuringBytes {
   std::optional<std::vector<std::byte>> tracker, index, body, site;
+  std::set<std::string> packed = {};  // which of them take_models read, by their names in a pack
 };
 
 // Of a model pack's bytes those of the files that are called `name` and that `bytes` lacks. Errors: as ModelPack's.

@@ -222,9 +222,15 @@ SizeAnswer size_answer(const SizeSystem& system, const MeasureLookup& lookup, fl
     best = entry.probability;
     answer.best = entry.size;
   }
-  const std::size_t likelier = share > 0.5 ? 1 : 0;
+  // Of the likelier sex's chart; where that has no such size, of the other's.
+  const auto has_best = [&](const SizeChart& chart) {
+    return std::any_of(chart.rows.begin(), chart.rows.end(),
+                       [&](const SizeRow& row) { return row.size == answer.best || ">" + row.size == answer.best; });
+  };
+  std::size_t likelier = share > 0.5 ? 1 : 0;
+  if (!has_best(likelier == 1 ? system.women : system.men)) likelier = 1 - likelier;
   const SizeChart& chart = likelier == 1 ? system.women : system.men;
-  if (chart.measures.size() > 1 && !bodies[likelier].empty() && !chart.rows.empty())
+  if (has_best(chart) && chart.measures.size() > 1 && !bodies[likelier].empty() && !chart.rows.empty())
     answer.reason = reason_of(chart, bodies[likelier], answer.best);
   return answer;
 }

@@ -116,24 +116,55 @@ std::optional<std::string> measure_named(const std::string& name) {
   return std::nullopt;
 }
 
+std::optional<Bound> bound_named(const std::string& word) {
+  if (word == "low" || word == "min" || word == "from" || word == "lower") return Bound::low;
+  if (word == "high" || word == "max" || word == "to" || word == "upper") return Bound::high;
+  return std::nullopt;
+}
+
+std::vector<std::string> words_without_fillers(std::vector<std::string> words) {
+  std::erase_if(words, [](const std::string& word) {
+    return word == "girth" || word == "circumference" || word == "range" || word == "body" || word == "size";
+  });
+  return words;
+}
+
+// By all words, else without those that say little. None: no words are left, or they name nothing.
+std::optional<std::string> measure_of(const std::vector<std::string>& words) {
+  const auto named = [](const std::vector<std::string>& some) -> std::optional<std::string> {
+    std::string joined;
+    for (const std::string& word : some) joined += (joined.empty() ? "" : "_") + word;
+    return joined.empty() ? std::nullopt : measure_named(joined);
+  };
+  const auto id = named(words);
+  return id ? id : named(words_without_fillers(words));
+}
+
 // None: the column is none of a chart's.
 std::optional<Column> column_named(const std::string& name) {
   Column column;
-  std::string measure;
+  std::vector<std::string> words;
   for (const std::string& word : words_in(name)) {
     if (const Unit* unit = unit_named(word); unit != nullptr && column.unit == nullptr)
       column.unit = unit;
-    else if (word == "low" || word == "min" || word == "from" || word == "lower")
-      column.bound = Bound::low;
-    else if (word == "high" || word == "max" || word == "to" || word == "upper")
-      column.bound = Bound::high;
-    else if (!(word == "girth" || word == "circumference" || word == "range" || word == "body" || word == "size") ||
-             measure == "high_hip")
-      measure += (measure.empty() ? "" : "_") + word;
+    else
+      words.push_back(word);
+  }
+  // "upper arm" and "high hip" are places of the body: an end of a range is the first or last word, and only where
+  // all words together name no measure.
+  auto id = measure_of(words);
+  if (!id && !words.empty()) {
+    const auto from_end = bound_named(words.back());
+    const auto bound = from_end ? from_end : bound_named(words.front());
+    if (bound) {
+      column.bound = *bound;
+      words.erase(from_end ? words.end() - 1 : words.begin());
+      id = measure_of(words);
+    }
   }
   // "low_mm" is of the chest; a bare unit is nothing.
-  if (measure.empty() && column.bound == Bound::both && words_in(name).size() < 2) return std::nullopt;
-  const auto id = measure_named(measure);
+  if (!id && words_without_fillers(words).empty() && (column.bound != Bound::both || words_in(name).size() > 1))
+    id = measure_named("");
   if (!id) return std::nullopt;
   column.id = *id;
   return column;
@@ -193,8 +224,7 @@ class ChartParser {
     const std::size_t colon = line.find(':');
     if (colon == std::string_view::npos) return Ok{};
     const std::string key = bare(line.substr(0, colon)), value = bare(line.substr(colon + 1));
-    headers_seen_ =
-        headers_seen_ || key == "name" || key == "source" || key == "date" || key == "sex" || key == "unit";
+    headers_seen_ = headers_seen_ || key == "name" || key == "source" || key == "date" || key == "sex";
     if (key == "name") chart_.name = value;
     if (key == "source") chart_.source = value;
     if (key == "date") chart_.date = value;

@@ -72,10 +72,11 @@ void add_input_options(cli::App& sub, InputOptions& options) {
          "--camera", options.camera_yaml,
          "Calibration that overrides the source's own: of ROS, OpenCV, a camera's maker or a phone's recorder")
       ->type_name("FILE");
-  sub.add_option("--unit", options.unit_mm,
-                 "Depth folder: millimetres per unit of its pixels (0.1; 10: centimetres; 1000: metres)")
-      ->range(0.001, 1000.0)
-      ->capture_default_str();
+  sub.add_option(
+         "--unit", options.unit_mm,
+         "Folder: millimetres per unit of its pixels (0.1; 10: centimetres; 1000: metres). Default: 1; of a TUM "
+         "folder 0.2")
+      ->range(0.001, 1000.0);
   sub.add_option("--body", options.body, "Body file")->type_name("FILE")->capture_default_str();
 }
 

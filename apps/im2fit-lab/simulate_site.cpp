@@ -87,12 +87,12 @@ Result<int> run_sessions(const SimulateCommand& options, const Models& models, S
     calibration = std::move(*loaded);
   }
   sessions::Versions versions{IM2FIT_VERSION, "", "", ""};
-  for (const auto& [path, crc] : {std::pair(&options.body, &versions.body),
-                                  {&options.joint_model, &versions.tracker},
-                                  {&options.index, &versions.index}}) {
-    auto made = sessions::digest_of_file(*path);
-    if (!made) return made.error();
-    *crc = std::move(*made);
+  for (const auto& [path, name, crc] : {std::tuple(&options.body, kPackedBody, &versions.body),
+                                        {&options.joint_model, kPackedTracker, &versions.tracker},
+                                        {&options.index, kPackedIndex, &versions.index}}) {
+    const auto bytes = model_bytes(*path, name);
+    if (!bytes) return bytes.error();
+    *crc = sessions::digest_of(*bytes);
   }
   const auto visits = simulated(options, models, kind, calibration ? &*calibration : nullptr);
   if (!visits) return visits.error();

@@ -27,9 +27,24 @@ struct Place {
   PackManifest manifest;
 };
 
-// Directories that hold all three models, in the order they are looked for.
+// What IM2FIT_MODELS names, then directories that hold all three models, in the order they are looked for.
 Result<std::vector<Place>> places() {
   std::vector<Place> found;
+  if (const std::string models = environment("IM2FIT_MODELS"); !models.empty()) {
+    Place place;
+    place.directory = models;
+    place.used = true;
+    if (is_model_pack(models)) {
+      auto pack = open_pack(models);
+      if (!pack) return pack.error();
+      place.manifest = std::move(pack->manifest);
+      place.has_manifest = true;
+    } else if (auto manifest = installed_manifest(models)) {
+      place.manifest = std::move(*manifest);
+      place.has_manifest = true;
+    }
+    found.push_back(std::move(place));
+  }
   for (const std::string& directory : model_directories()) {
     if (!holds_models(directory)) continue;
     Place place;
@@ -90,14 +105,17 @@ void print_intact(const std::string& what, const PackManifest& manifest) {
 }
 
 Result<int> run_verify(const ModelsOptions& options) {
-  if (!options.pack.empty()) {
-    const auto pack = open_pack(options.pack);
+  const std::string used = options.directory.empty() ? environment("IM2FIT_MODELS") : "";
+  const std::string file = options.pack.empty() && is_model_pack(used) ? used : options.pack;
+  if (!file.empty()) {
+    const auto pack = open_pack(file);
     if (!pack) return pack.error();
     if (auto ok = verify_pack(*pack); !ok) return ok.error();
-    print_intact(options.pack, pack->manifest);
+    print_intact(file, pack->manifest);
     return kExitOk;
   }
-  const std::string directory = options.directory.empty() ? model_directory() : options.directory;
+  const std::string installed = used.empty() ? model_directory() : used;
+  const std::string directory = options.directory.empty() ? installed : options.directory;
   const auto manifest = installed_manifest(directory);
   if (!manifest) return manifest.error();
   if (auto ok = verify_installed(*manifest, directory); !ok) return ok.error();

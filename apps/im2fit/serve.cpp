@@ -36,14 +36,15 @@ struct ServeOptions {
   int phones_port = 8018;
 };
 
-// "": it cannot be read.
-std::string digest_of(const std::string& path) {
-  const auto digest = sessions::digest_of_file(path);
-  return digest ? *digest : "";
+// Of a model, in a pack or not. "": it cannot be read.
+std::string digest_of(const std::string& path, const char* name) {
+  const auto bytes = model_bytes(path, name);
+  return bytes ? sessions::digest_of(*bytes) : "";
 }
 
 sessions::Versions versions_of(const SessionOptions& session) {
-  return {IM2FIT_VERSION, digest_of(session.input.body), digest_of(session.tracker), digest_of(session.index)};
+  return {IM2FIT_VERSION, digest_of(session.input.body, kPackedBody), digest_of(session.tracker, kPackedTracker),
+          digest_of(session.index, kPackedIndex)};
 }
 
 class PageListener final : public LiveListener {

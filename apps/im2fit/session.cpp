@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <iterator>
 #include <string_view>
 #include <utility>
@@ -63,7 +64,14 @@ void add_models_option(cli::App& sub, std::string& tracker, std::string& index, 
          },
          "Model pack (.i2p) or directory with tracker, index and body (default: IM2FIT_MODELS, else the installed "
          "models)")
-      ->type_name("PACK|DIR");
+      ->type_name("PACK|DIR")
+      ->check([](const std::string& models) {
+        std::error_code code;
+        if (std::filesystem::is_directory(models, code) || is_model_pack(models)) return std::string();
+        return std::filesystem::exists(models, code)
+                   ? models + " is neither a directory nor a model pack; expected a file im2fit-models-VERSION.i2p"
+                   : models + " does not exist";
+      });
 }
 
 void add_session_options(cli::App& sub, SessionOptions& options) {

@@ -120,10 +120,8 @@ bool is_id(std::string_view text) {
              std::string_view::npos;
 }
 
-Result<std::string> digest_of_file(const std::string& path) {
-  const auto file = MappedFile::open(path);
-  if (!file) return file.error();
-  return fmt::format("{:08x}", crc32c(file->bytes()));
+std::string digest_of(std::span<const std::byte> bytes) {
+  return fmt::format("{:08x}", crc32c(bytes));
 }
 
 std::string utc_now() {

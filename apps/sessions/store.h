@@ -7,6 +7,7 @@
 // 0700, files 0600. Several programs may use one root.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,7 +26,7 @@ std::string default_root();         // ${XDG_DATA_HOME:-~/.local/share}/im2fit/s
 bool is_id(std::string_view text);  // [A-Za-z0-9_-]{1,40}: also safe as a file's name
 std::string utc_now();              // "2026-05-04T12:30:00Z"
 // As Versions has it: CRC-32C of a file, 8 hexadecimal digits. Errors: of opening it.
-Result<std::string> digest_of_file(const std::string& path);
+std::string digest_of(std::span<const std::byte> bytes);
 
 // A session being written. Destroyed before finish() has succeeded it leaves nothing.
 class NewSession {

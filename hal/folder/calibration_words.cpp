@@ -47,12 +47,15 @@ YAML::Node entry_of(const YAML::Node& map, NameList names) {
   return entry_of(map, Names(names.begin(), names.size()));
 }
 
-void append_numbers(const YAML::Node& node, int depth, std::vector<double>& out) {
+// A name that stands for another repeats it: a small file has many more items than characters.
+constexpr int kItemsMax = 10'000;
+
+void append_numbers(const YAML::Node& node, int depth, int& items, std::vector<double>& out) {
   if (depth > 2) return;
   for (const auto& item : node) {
-    if (out.size() > 16) return;
+    if (out.size() > 16 || ++items > kItemsMax) return;
     if (item.IsSequence())
-      append_numbers(item, depth + 1, out);
+      append_numbers(item, depth + 1, items, out);
     else
       out.push_back(item.as<double>());
   }
@@ -63,19 +66,27 @@ std::vector<double> numbers_of(const YAML::Node& node) {
   std::vector<double> numbers;
   if (!node.IsDefined()) return numbers;
   const YAML::Node list = node.IsMap() ? entry_of(node, {"data"}) : node;
-  if (list.IsDefined() && list.IsSequence()) append_numbers(list, 0, numbers);
+  int items = 0;
+  if (list.IsDefined() && list.IsSequence()) append_numbers(list, 0, items, numbers);
   return numbers;
 }
 
-bool has_value(const YAML::Node& node, int depth = 0) {
+// Too many items count as a value, so that what is not read is refused.
+bool has_value(const YAML::Node& node, int depth, int& items) {
   if (node.IsScalar()) {
     double value = 0;
     return YAML::convert<double>::decode(node, value) && value != 0;
   }
   if (depth > 2 || !(node.IsSequence() || node.IsMap())) return false;
-  for (const auto& item : node)
-    if (has_value(node.IsMap() ? item.second : static_cast<const YAML::Node&>(item), depth + 1)) return true;
+  for (const auto& item : node) {
+    if (++items > kItemsMax) return true;
+    if (has_value(node.IsMap() ? item.second : static_cast<const YAML::Node&>(item), depth + 1, items)) return true;
+  }
   return false;
+}
+bool has_value(const YAML::Node& node) {
+  int items = 0;
+  return has_value(node, 0, items);
 }
 
 bool contains_word(std::string_view name, std::string_view word) {
@@ -388,6 +399,7 @@ std::string size_text(int width, int height) {
 Result<LensWords> realsense_words(const YAML::Node& sections, const std::string& path, PictureSize pictures) {
   std::string sizes;
   std::vector<LensWords> found;
+  std::optional<LensWords> fitting;
   for (const auto& section : sections) {
     if (plain_name(section["stream"].Scalar()).rfind("depth", 0) != 0) continue;
     LensWords words;
@@ -406,10 +418,14 @@ Result<LensWords> realsense_words(const YAML::Node& sections, const std::string&
     words.distortion = numbers_of(section["Coeffs"]);
     if (section["Distortion"].IsDefined()) words.model = section["Distortion"].Scalar();
     const bool fits = words.size.width == pictures.width && words.size.height == pictures.height;
-    if (fits) return words;
+    if (fits && fitting && fitting->lens != words.lens)
+      return Error{ErrorCode::invalid_argument,
+                   path + " has two depth cameras with this mode; keep the sections of yours"};
+    if (fits) fitting = words;
     sizes += (sizes.empty() ? "" : ", ") + size_text(words.size.width, words.size.height);
     found.push_back(std::move(words));
   }
+  if (fitting) return std::move(*fitting);
   if (found.size() == 1) return std::move(found.front());
   if (found.empty()) return calibration_lacks(path, "Intrinsic of \"Depth\"", "a section of rs-enumerate-devices -c");
   return Error{ErrorCode::invalid_argument,

@@ -88,7 +88,8 @@ Status check_plausible(const Intrinsics& k, const std::string& path) {
                  path + ": " + centre +
                      ", the centre of pictures that are turned by 90 degrees; exchange cx and cy, or "
                      "give the calibration of pictures as they are stored"};
-  if (off(k.cx, w) > kCentreOffMax * w || off(k.cy, h) > kCentreOffMax * h)
+  // Who crops a picture moves one of them, as a rule; values for another size move both.
+  if (off(k.cx, w) > kCentreOffMax * w && off(k.cy, h) > kCentreOffMax * h)
     return Error{ErrorCode::invalid_argument, path + ": " + centre +
                                                   ", expected in the middle half of both sides; the values are for "
                                                   "pictures of another size, or for a part of them"};

@@ -47,7 +47,8 @@ struct FolderContents {
 struct FolderOptions {
   std::optional<int> rotate_deg;  // overrides camera.yaml's im2fit_rotate_deg; 0 when neither says
   std::string camera_yaml_path;   // "" for camera.yaml in the folder
-  double unit_mm = 1;             // a unit of the pixels; values are rounded, above 65535 mm they are missing
+  double unit_mm =
+      0;  // 0: as the folder has it, 1 mm; a unit of the pixels; values are rounded, above 65535 mm they are missing
   const FolderContents* contents = nullptr;  // in place of camera.yaml and the tables beside it; for open() only
 };
 

@@ -152,10 +152,10 @@ Result<std::unique_ptr<FolderSource>> FolderSource::open(const std::string& path
   if (options.rotate_deg && !is_rotation(*options.rotate_deg))
     return Error{ErrorCode::invalid_argument,
                  "rotation is " + std::to_string(*options.rotate_deg) + ", expected 0, 90, 180 or 270 degrees"};
-  if (!(options.unit_mm >= 0.001 && options.unit_mm <= 1000))
+  if (options.unit_mm != 0 && !(options.unit_mm >= 0.001 && options.unit_mm <= 1000))
     return Error{ErrorCode::invalid_argument,
                  "the unit is " + std::to_string(options.unit_mm) + " mm, expected 0.001 to 1000"};
-  source->unit_mm_ = options.unit_mm;
+  source->unit_mm_ = options.unit_mm == 0 ? 1 : options.unit_mm;
   const FolderContents* contents = options.contents;
   if (contents && !contents->listed.empty()) {
     for (const auto& [file, info] : contents->listed) source->frames_.push_back({file, info});
@@ -345,7 +345,7 @@ Status FolderSource::drop_unsure(const Frame& frame) {
   if (auto ok = read_file_into(path, kFileBytesMax, SIZE_MAX, file_bytes_); !ok) {
     Error error = ok.error();
     if (error.code == ErrorCode::not_found)
-      error.message = path + " is missing; copy it again, or delete the folder to use every pixel";
+      error.message = path + " is missing; copy it again, or remove all confidence pictures to use every pixel";
     return error;
   }
   const DepthImage image = path_.camera_image();

@@ -195,11 +195,13 @@ Result<std::vector<TumPose>> parse_tum_poses(const std::string& text, const std:
 }
 
 bool is_tum_folder(const std::string& path) {
-  if (file_exists(path + "/depth.txt")) return true;
   std::error_code code;
   std::filesystem::directory_iterator it(path + "/depth", code);
-  if (code || it == std::filesystem::directory_iterator()) return false;
-  return time_named(it->path().filename().string()).has_value();
+  if (code) return false;
+  if (file_exists(path + "/depth.txt")) return true;  // beside numbered pictures alone it is somebody's note
+  for (; it != std::filesystem::directory_iterator(); it.increment(code))
+    if (code || time_named(it->path().filename().string())) return !code;
+  return false;
 }
 
 Result<std::unique_ptr<FolderSource>> open_tum_folder(const std::string& path, const FolderOptions& options) {
@@ -245,7 +247,7 @@ Result<std::unique_ptr<FolderSource>> open_tum_folder(const std::string& path, c
   if (auto ok = take_camera(path, options, size, contents); !ok) return ok.error();
   FolderOptions with_contents = options;
   with_contents.contents = &contents;
-  if (options.unit_mm == 1) with_contents.unit_mm = kTumUnitMm;
+  if (options.unit_mm == 0) with_contents.unit_mm = kTumUnitMm;
   return FolderSource::open(path, with_contents);
 }
 

@@ -26,7 +26,7 @@ bool is_tum_folder(const std::string& path);
 
 // A frame without a pose within 50 ms has none. Without --camera and camera.yaml the pictures have 640 x 480 pixels,
 // and the lens is the benchmark's: fx = fy = 525, cx = 319.5, cy = 239.5, reported as field_of_view.
-// `options.unit_mm` other than 1 replaces the unit. Errors name file and line: not_found, corrupt, invalid_argument,
+// `options.unit_mm` other than 0 replaces the unit. Errors name file and line: not_found, corrupt, invalid_argument,
 // unsupported, io.
 Result<std::unique_ptr<FolderSource>> open_tum_folder(const std::string& path, const FolderOptions& options);
 

@@ -16,7 +16,7 @@ namespace im2fit::hal {
 struct OpenOptions {
   std::optional<int> rotate_deg;  // how the camera is mounted; unset: what the recording says, else 0
   std::string camera_yaml_path;   // a calibration that overrides the camera's own; "" for none
-  double unit_mm = 1;             // of a depth folder's pixels; other sources know theirs
+  double unit_mm = 0;             // of a folder's pixels; 0: as it has them. Other sources know theirs
   int width = 640;                // wanted of a live camera, before rotation
   int height = 480;
   int stall_ms = 5000;  // a recording that gives nothing for so long is damaged

@@ -127,7 +127,8 @@ bool PersonTracker::sways(int user) const {
 void PersonTracker::leave_out(const Grid& grid, const Blobs& found, const FloorPlane& floor, float seconds) {
   float sway_mm = 0;
   for (int i = 0; i < detection_count_; ++i) {
-    if (detection_count_ > 1) watch(grid, found, i, seconds);
+    // Who is left out is watched on alone, too: a person who moves again counts again.
+    if (detection_count_ > 1 || track_of(at(i)).left_out == LeftOut::still) watch(grid, found, i, seconds);
     if (sways(i)) sway_mm = std::max(sway_mm, track_of(at(i)).watch.spread_mm());
   }
   for (int i = 0; i < detection_count_; ++i) {
@@ -136,7 +137,9 @@ void PersonTracker::leave_out(const Grid& grid, const Blobs& found, const FloorP
     const bool was_still = track.left_out == LeftOut::still;
     const bool stands =
         track.watch.watched_long() && spread_mm <= kStillMm && sway_mm >= std::max(kSwayMm, kSwayShare * spread_mm);
-    const bool still = (stands || (was_still && spread_mm < kMovedMm)) && track.id != requested_;
+    // Who walks off is watched from the beginning, and is a person until then.
+    const bool still =
+        (stands || (was_still && track.watch.watched_long() && spread_mm < kMovedMm)) && track.id != requested_;
     track.left_out = outside(track, grid, found, floor, detections_[at(i)].blob) ? LeftOut::outside
                      : still                                                     ? LeftOut::still
                                                                                  : LeftOut::no;

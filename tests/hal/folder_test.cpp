@@ -206,7 +206,7 @@ TEST(Folder, AUnitOtherThanMillimetresIsConverted) {
   of_no_folder.unit_mm = 0.1;
   EXPECT_EQ(open_source("openni2", of_no_folder).error().code, ErrorCode::invalid_argument);
   FolderOptions absurd;
-  absurd.unit_mm = 0;
+  absurd.unit_mm = -1;
   EXPECT_FALSE(FolderSource::open(folder.path("rec"), absurd));
 }
 

@@ -24,7 +24,7 @@ using room_test::Scene;
 
 constexpr float kLeftX = -450, kRightX = 450, kNearZ = 2500, kFarZ = 2700;
 
-Scene room() {
+Scene wide_room() {
   Scene s;
   s.width = 320;
   s.height = 240;
@@ -36,7 +36,7 @@ Scene room() {
 }
 
 Scene two_people(float left_sway_mm = 0, float right_sway_mm = 0) {
-  Scene s = room();
+  Scene s = wide_room();
   add(s, person_at(kLeftX, kNearZ + left_sway_mm, 1));
   add(s, person_at(kRightX, kFarZ + right_sway_mm, 2));
   return s;
@@ -108,7 +108,7 @@ TEST_F(WhoIsLeftOut, WhoIsSelectedIsNotDisturbedByOthersBeside) {
 TEST_F(WhoIsLeftOut, WhoIsSelectedIsDisturbedByOneWhoStandsBefore) {
   for (int i = 0; i < 3; ++i) run(two_people());
   people_.select(user_at(kRightX).id);
-  Scene hidden = room();
+  Scene hidden = wide_room();
   add(hidden, person_at(kRightX, kFarZ, 2));
   add(hidden, person_at(150, 1900, 1));
   Person person;
@@ -163,7 +163,7 @@ TEST_F(WhoIsLeftOut, WhoTouchesACabinsWallIsFound) {
 }
 
 TEST_F(WhoIsLeftOut, LegsWithoutDepthAreNamed) {
-  Scene s = room();
+  Scene s = wide_room();
   s.width = 480;
   s.height = 640;
   s.focal = 575.8F;

@@ -57,11 +57,7 @@ const Known* known_of(std::string_view magic) {
 Status check_format(const PackedFile& file, const std::string& what) {
   const Known* known = known_of(file.magic);
   if (known == nullptr || file.format == known->version) return Ok{};
-  const bool older = file.format < known->version;
-  return Error{ErrorCode::unsupported,
-               fmt::format("{}: its {} ({}) is of format {}, {} than the {} this im2fit reads; get a {}", what,
-                           known->name, file.name, file.format, older ? "older" : "newer", known->version,
-                           older ? "newer pack" : "newer im2fit, or an older pack")};
+  return other_format(what, known->name, file.name, file.format, known->version);
 }
 
 // Names are written below a directory of ours and nowhere else, and printed.
@@ -198,7 +194,7 @@ Result<std::vector<std::byte>> make_pack(const PackManifest& manifest,
                                          const std::vector<std::vector<std::byte>>& contents, PackCoding coding) {
   ContainerWriter writer(kPackMagic, kPackVersion);
   const std::string text = manifest_json(manifest);
-  writer.add_array<char>("manifest", std::span(text.data(), text.size()));
+  writer.add_array<char>(kPackManifest, std::span(text.data(), text.size()));
   for (std::size_t i = 0; i < contents.size(); ++i) {
     auto packed = make_pack_section(contents[i], coding);
     if (!packed) return packed.error();
@@ -216,7 +212,7 @@ Result<PackOnDisk> open_pack(const std::string& path) {
   auto opened = ModelPack::parse(pack.file.bytes(), path, true);
   if (!opened) return opened.error();
   pack.pack = std::move(*opened);
-  const auto text = pack.pack.section("manifest");
+  const auto text = pack.pack.section(kPackManifest);
   if (!text) return text.error();
   if (text->size() > kTextBytesMax)
     return Error{ErrorCode::corrupt, fmt::format("{}: the manifest has {} bytes, expected at most {}", path,

@@ -457,7 +457,7 @@ typedef enum im2fit_guidance {
   IM2FIT_GUIDANCE_TURN_ON = 1 << 15,     /* turn on the spot, slowly, all round. The person cannot see a screen */
   IM2FIT_GUIDANCE_TURN_SLOWER = 1 << 16, /* the same, and slower */
   IM2FIT_GUIDANCE_WALK_ROUND = 1 << 17,  /* to who holds the camera: walk on round the person */
-  /* Not measured: the person is unlike all whom the models were learned from, by stature or proportions. */
+  /* Not measured: the person is smaller or taller than all whom the models were learned from. */
   IM2FIT_GUIDANCE_OUT_OF_POPULATION = 1 << 18,
   /* Not measured: the depth shows a flat floor curved. Its lens, or the kind of its distances, is not as told. */
   IM2FIT_GUIDANCE_FLOOR_BENT = 1 << 19,

@@ -323,18 +323,17 @@ static jbyteArray native_diagnose(JNIEnv* env, jclass type, jlong handle, jshort
                                   jintArray numbers, jfloatArray unit) {
   (void)type;
   im2fit_diagnosis found;
-  jint n[2] = {IM2FIT_ERROR_NO_MEMORY, 0};
+  jint n[2] = {0, 0};
   jbyteArray text = NULL;
   jshort* from = (*env)->GetShortArrayElements(env, depth, NULL);
-  if (from) {
-    const int status = im2fit_diagnose(handle_of(handle), (const uint16_t*)from, width, height, 0, &found, sizeof found);
-    (*env)->ReleaseShortArrayElements(env, depth, from, JNI_ABORT);
-    n[0] = status == IM2FIT_OK ? found.code : status;
-    if (status == IM2FIT_OK) {
-      n[1] = found.rotate_deg;
-      (*env)->SetFloatArrayRegion(env, unit, 0, 1, &found.unit_mm);
-      text = bytes_of(env, found.text);
-    }
+  if (!from) return NULL; /* an OutOfMemoryError is thrown on return */
+  const int status = im2fit_diagnose(handle_of(handle), (const uint16_t*)from, width, height, 0, &found, sizeof found);
+  (*env)->ReleaseShortArrayElements(env, depth, from, JNI_ABORT);
+  n[0] = status == IM2FIT_OK ? found.code : status;
+  if (status == IM2FIT_OK) {
+    n[1] = found.rotate_deg;
+    (*env)->SetFloatArrayRegion(env, unit, 0, 1, &found.unit_mm);
+    text = bytes_of(env, found.text);
   }
   (*env)->SetIntArrayRegion(env, numbers, 0, 2, n);
   return text;

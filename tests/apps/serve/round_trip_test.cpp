@@ -131,7 +131,7 @@ class Shop {
   }
 
  private:
-  static std::string digest(const std::string& path) { return *sessions::digest_of_file(path); }
+  static std::string digest(const std::string& path) { return sessions::digest_of(*read_file(path)); }
   int post(const std::string& path, const Json& body) const { return page_->post_operator(path, body).first; }
   // What a tape and a scale say that are right; girths twice, with a millimetre or two between.
   static Json form(int number, const lab::Subject& subject) {

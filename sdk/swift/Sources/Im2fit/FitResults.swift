@@ -124,11 +124,13 @@ extension FitSession {
     /// Begins a session for a new person and forgets all frames.
     public func reset() throws { try check(im2fit_reset(handle)) }
 
-    /// From now on measures only the person with this `FitProgress.userId`; 0: the first person with empty guidance.
-    /// Measures only people whose feet are within, in millimetres on the floor; no numbers: everywhere.
-    public func setRegion(x0: Float = 0, z0: Float = 0, x1: Float = 0, z1: Float = 0) throws {
-        try check(im2fit_set_region(handle, x0, z0, x1, z1))
+    /// Measures only people whose feet are within this rectangle on the floor: x to the camera's right, z away from it, from
+    /// the point under the camera. No numbers: everywhere.
+    public func setRegion(x0Mm: Float = 0, z0Mm: Float = 0, x1Mm: Float = 0, z1Mm: Float = 0) throws {
+        try check(im2fit_set_region(handle, x0Mm, z0Mm, x1Mm, z1Mm))
     }
+
+    /// From now on measures only the person with this `FitProgress.userId`; 0: the first person with empty guidance.
     public func selectUser(_ userId: Int32) throws { try check(im2fit_select_user(handle, userId)) }
 
     /// Sets what the person reports, before, during or after the frames: `finish()` then has the changed answer.

@@ -89,11 +89,11 @@ class FitSession @JvmOverloads constructor(
      *
      * @param depthMm an upright frame, millimetres, rows of [width] values from the top; unsigned, 0: no data
      */
-    fun diagnose(depthMm: ShortArray, width: Int, height: Int): Diagnosis = open.read {
-        require(depthMm.size == width * height) { "depthMm has ${depthMm.size} values, expected $width x $height" }
+    fun diagnose(depthMm: ShortArray, width: Int, height: Int): Diagnosis = inOrder { handle ->
+        require(depthMm.size.toLong() == width.toLong() * height) { "depthMm has ${depthMm.size} values, expected $width x $height" }
         val numbers = IntArray(2)
         val unit = FloatArray(1)
-        val text = Native.diagnose(alive(), depthMm, width, height, numbers, unit)
+        val text = Native.diagnose(handle, depthMm, width, height, numbers, unit)
         if (numbers[0] < 0) check(numbers[0])
         Diagnosis(DiagnosisCode.values()[numbers[0]], Native.text(text).orEmpty(), unit[0], numbers[1])
     }
