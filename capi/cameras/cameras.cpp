@@ -88,7 +88,7 @@ Result<hal::OpenOptions> opening(const im2fit_cameras_options* given) {
   hal::OpenOptions words;
   if (options->rotate_deg != -1) words.rotate_deg = options->rotate_deg;  // hal says what it may be
   if (options->calibration_path != nullptr) words.camera_yaml_path = options->calibration_path;
-  words.unit_mm = options->unit_mm;
+  words.unit_mm = options->unit_mm == 1 ? 0 : options->unit_mm;  // 1 is the default: as the folder has it
   words.width = options->width;
   words.height = options->height;
   return words;

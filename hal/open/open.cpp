@@ -227,7 +227,7 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
     return Error{ErrorCode::invalid_argument,
                  "rotation is " + std::to_string(*options.rotate_deg) + ", expected 0, 90, 180 or 270 degrees"};
   std::error_code code;
-  if (options.unit_mm != 0 && !std::filesystem::is_directory(uri, code))
+  if (options.unit_mm != 0 && options.unit_mm != 1 && !std::filesystem::is_directory(uri, code))
     return Error{ErrorCode::invalid_argument, uri + ": a unit can be given of depth folders only"};
   if (const auto seed = after_scheme(uri, "synthetic")) {
     if (options.synthetic) return options.synthetic(*seed, options);

@@ -56,7 +56,7 @@ typedef struct im2fit_cameras_options {
   int32_t rotate_deg;           /* -1: as recorded, else 0. 0, 90, 180, 270: clockwise, makes the picture upright */
   int32_t width; /* 640 x 480: preferred mode of a camera, before rotation, 1..2048. The nearest mode is used */
   int32_t height;
-  float unit_mm; /* 1: of the pixels of a depth folder, above 0, up to 1000. Other sources have their own */
+  float unit_mm; /* of the pixels of a folder, above 0, up to 1000; 1: as the folder has it. Others have their own */
 } im2fit_cameras_options;
 
 /* Writes the defaults above. `struct_size` is sizeof(im2fit_cameras_options) of the caller's header. */
