@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <vector>
 
+#include "hal/intrinsics.h"
+
 namespace im2fit::hal {
 namespace {
 
@@ -206,21 +208,20 @@ DepthDiagnosis depth_diagnosis(DepthView depth, const UnitJudge& judge) {
 
 DepthDiagnosis intrinsics_diagnosis(const Intrinsics& k) {
   if (!(k.fx > 0 && k.fy > 0) || k.width < 1 || k.height < 1) return {};
-  const auto w = static_cast<float>(k.width), h = static_cast<float>(k.height);
-  // Within a tenth of the picture of the other orientation's centre, and not of its own.
-  const auto near = [](float a, float b, float size) { return std::abs(a - b) < 0.1F * size; };
-  const bool own = near(k.cx, w / 2, w) && near(k.cy, h / 2, h);
-  if (!own && near(k.cx, h / 2, w) && near(k.cy, w / 2, h))
-    return {DiagnosisCode::centre, 0, 0,
-            "cx and cy look like those of the picture before it was turned; give the calibration of the upright "
-            "picture, or rotate the source"};
-  // Half of the longer side's field: 25 and 130 degrees.
-  constexpr float kHalfMin = 0.2217F, kHalfMax = 2.1445F;
-  const float half = std::max(0.5F * w / k.fx, 0.5F * h / k.fy);
-  if (half < kHalfMin || half > kHalfMax)
-    return {DiagnosisCode::field_of_view, 0, 0,
-            std::string("the field of view of fx and fy is ") + (half < kHalfMin ? "under 25" : "over 130") +
-                " degrees; are they pixels of a picture of this size?"};
+  switch (lens_fault(k)) {
+    case LensFault::centre_turned:
+      return {DiagnosisCode::centre, 0, 0,
+              "cx and cy look like those of the picture before it was turned; give the calibration of the upright "
+              "picture, or rotate the source"};
+    case LensFault::field_of_view:
+      return {DiagnosisCode::field_of_view, 0, 0,
+              std::string("the field of view of fx and fy is ") +
+                  (widest_field_deg(k) < kFieldMinDeg ? "under 25" : "over 130") +
+                  " degrees; are they pixels of a picture of this size?"};
+    case LensFault::none:
+    case LensFault::centre_elsewhere:  // a cropped picture may have it, and people are found in it
+      break;
+  }
   return {};
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/intrinsics.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string_view>
@@ -55,6 +56,26 @@ std::optional<IntrinsicsOrigin> parse_origin(std::string_view text) {
                             IntrinsicsOrigin::field_of_view, IntrinsicsOrigin::caller, IntrinsicsOrigin::synthetic})
     if (text == to_string(origin)) return origin;
   return std::nullopt;
+}
+
+float widest_field_deg(const Intrinsics& k) {
+  constexpr float kRadToDeg = 57.29578F;
+  const FieldOfView field = field_of_view(k);
+  return std::max(field.horizontal_rad, field.vertical_rad) * kRadToDeg;
+}
+
+LensFault lens_fault(const Intrinsics& k) {
+  const float widest_deg = widest_field_deg(k);
+  if (!(widest_deg >= kFieldMinDeg && widest_deg <= kFieldMaxDeg)) return LensFault::field_of_view;
+  const float w = static_cast<float>(k.width), h = static_cast<float>(k.height);
+  const auto off = [](float c, float side) { return std::abs(c + 0.5F - 0.5F * side); };
+  if (k.width != k.height && off(k.cx, h) < off(k.cx, w) && off(k.cy, w) < off(k.cy, h))
+    return LensFault::centre_turned;
+  // Values of a picture of twice the size lie at a quarter of both sides, to half a pixel or so. Who crops a picture
+  // moves one of them, as a rule.
+  constexpr float kCentreOffMax = 0.24F;
+  if (off(k.cx, w) > kCentreOffMax * w && off(k.cy, h) > kCentreOffMax * h) return LensFault::centre_elsewhere;
+  return LensFault::none;
 }
 
 Status check_intrinsics(const Intrinsics& k, const std::string& what) {

@@ -24,6 +24,18 @@ struct FieldOfView {
 };
 FieldOfView field_of_view(const Intrinsics& k);
 
+// What no depth camera has, and a mistake would have: check_intrinsics allows more.
+enum class LensFault {
+  none,
+  field_of_view,     // along the wider side, beyond kFieldMinDeg to kFieldMaxDeg
+  centre_turned,     // of pictures turned by 90 degrees
+  centre_elsewhere,  // off the middle of both sides: of pictures of another size
+};
+inline constexpr float kFieldMinDeg = 25, kFieldMaxDeg = 130;  // Kinect: 57; Azure Kinect, wide: 120
+float widest_field_deg(const Intrinsics& k);
+// Focal lengths above 0, sides of a pixel or more.
+LensFault lens_fault(const Intrinsics& k);
+
 // Of the pictures that a calibration is for; 0: not known.
 struct PictureSize {
   int width = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A depth camera's lens in the words of whoever wrote the calibration: ROS, OpenCV, Open3D, RealSense, Orbbec, Azure
-// Kinect, kalibr, and the recorders of phones.
+// Reads the intrinsics and the distortion of a depth camera. Each program names them in its own way: ROS, OpenCV,
+// Open3D, RealSense, Orbbec, Azure Kinect, kalibr, and the recorders of phones.
 #pragma once
 
 #include <yaml-cpp/yaml.h>

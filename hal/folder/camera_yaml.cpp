@@ -60,39 +60,34 @@ Status take_distortion(const LensWords& words, const std::string& path, CameraFi
   return Ok{};
 }
 
-// What no depth camera has, and a mistake would have: check_intrinsics allows more, for cropped pictures.
 Status check_plausible(const Intrinsics& k, const std::string& path) {
-  constexpr float kFieldMin_deg = 25, kFieldMax_deg = 130;
-  constexpr float kRadToDeg = 57.29578F;
   const auto text = [](float value) {
     char digits[32];
     std::snprintf(digits, sizeof digits, "%.1f", static_cast<double>(value));
     return std::string(digits);
   };
+  const auto refused = [&](const std::string& why) { return Error{ErrorCode::invalid_argument, path + ": " + why}; };
   const std::string size = std::to_string(k.width) + "x" + std::to_string(k.height);
-  const FieldOfView field = field_of_view(k);
-  const bool wide = field.horizontal_rad > field.vertical_rad;
-  const float widest_deg = (wide ? field.horizontal_rad : field.vertical_rad) * kRadToDeg;
-  if (!(widest_deg >= kFieldMin_deg && widest_deg <= kFieldMax_deg))
-    return Error{ErrorCode::invalid_argument,
-                 path + ": " + (wide ? "fx" : "fy") + " is " + text(wide ? k.fx : k.fy) + ", a field of view of " +
-                     text(widest_deg) + " degrees in pictures of " + size +
-                     ", expected 25 to 130; the focal length is another camera's or another mode's"};
-  const float w = static_cast<float>(k.width), h = static_cast<float>(k.height);
   const std::string centre = "cx, cy are " + text(k.cx) + ", " + text(k.cy) + " in pictures of " + size;
-  const auto off = [](float c, float side) { return std::abs(c + 0.5F - 0.5F * side); };
-  // The middle half, less a little: values of a picture of twice the size lie at a quarter, to half a pixel or so.
-  constexpr float kCentreOffMax = 0.24F;
-  if (k.width != k.height && off(k.cx, h) < off(k.cx, w) && off(k.cy, w) < off(k.cy, h))
-    return Error{ErrorCode::invalid_argument,
-                 path + ": " + centre +
-                     ", the centre of pictures that are turned by 90 degrees; exchange cx and cy, or "
-                     "give the calibration of pictures as they are stored"};
-  // Who crops a picture moves one of them, as a rule; values for another size move both.
-  if (off(k.cx, w) > kCentreOffMax * w && off(k.cy, h) > kCentreOffMax * h)
-    return Error{ErrorCode::invalid_argument, path + ": " + centre +
-                                                  ", expected in the middle half of both sides; the values are for "
-                                                  "pictures of another size, or for a part of them"};
+  switch (lens_fault(k)) {
+    case LensFault::none:
+      break;
+    case LensFault::field_of_view: {
+      const FieldOfView field = field_of_view(k);
+      const bool wide = field.horizontal_rad > field.vertical_rad;
+      return refused(std::string(wide ? "fx" : "fy") + " is " + text(wide ? k.fx : k.fy) + ", a field of view of " +
+                     text(widest_field_deg(k)) + " degrees in pictures of " + size +
+                     ", expected 25 to 130; the focal length is another camera's or another mode's");
+    }
+    case LensFault::centre_turned:
+      return refused(centre +
+                     ", the centre of pictures that are turned by 90 degrees; exchange cx and cy, or give the "
+                     "calibration of pictures as they are stored");
+    case LensFault::centre_elsewhere:
+      return refused(centre +
+                     ", expected in the middle half of both sides; the values are for pictures of another "
+                     "size, or for a part of them");
+  }
   return Ok{};
 }
 
