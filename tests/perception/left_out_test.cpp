@@ -20,23 +20,13 @@ using room_test::kKinectNoise;
 using room_test::person_at;
 using room_test::Picture;
 using room_test::render;
+using room_test::room_at_320;
 using room_test::Scene;
 
 constexpr float kLeftX = -450, kRightX = 450, kNearZ = 2500, kFarZ = 2700;
 
-Scene wide_room() {
-  Scene s;
-  s.width = 320;
-  s.height = 240;
-  s.focal = 287.9F;
-  s.camera_height = 1100;
-  s.pitch_deg = 4;
-  s.wall_z = 4800;
-  return s;
-}
-
 Scene two_people(float left_sway_mm = 0, float right_sway_mm = 0) {
-  Scene s = wide_room();
+  Scene s = room_at_320();
   add(s, person_at(kLeftX, kNearZ + left_sway_mm, 1));
   add(s, person_at(kRightX, kFarZ + right_sway_mm, 2));
   return s;
@@ -108,7 +98,7 @@ TEST_F(WhoIsLeftOut, WhoIsSelectedIsNotDisturbedByOthersBeside) {
 TEST_F(WhoIsLeftOut, WhoIsSelectedIsDisturbedByOneWhoStandsBefore) {
   for (int i = 0; i < 3; ++i) run(two_people());
   people_.select(user_at(kRightX).id);
-  Scene hidden = wide_room();
+  Scene hidden = room_at_320();
   add(hidden, person_at(kRightX, kFarZ, 2));
   add(hidden, person_at(150, 1900, 1));
   Person person;
@@ -163,7 +153,7 @@ TEST_F(WhoIsLeftOut, WhoTouchesACabinsWallIsFound) {
 }
 
 TEST_F(WhoIsLeftOut, LegsWithoutDepthAreNamed) {
-  Scene s = wide_room();
+  Scene s = room_at_320();
   s.width = 480;
   s.height = 640;
   s.focal = 575.8F;

@@ -22,6 +22,7 @@ using room_test::kKinectNoise;
 using room_test::person_at;
 using room_test::profile_at;
 using room_test::render;
+using room_test::room_at_320;
 using room_test::Scene;
 
 struct Model {
@@ -34,17 +35,6 @@ struct Model {
   std::vector<std::byte> bytes;
   std::optional<JointModel> model;
 };
-
-Scene room() {
-  Scene s;
-  s.width = 320;
-  s.height = 240;
-  s.focal = 287.9F;
-  s.camera_height = 1100;
-  s.pitch_deg = 4;
-  s.wall_z = 4800;
-  return s;
-}
 
 class PersonScore : public testing::Test {
  protected:
@@ -74,7 +64,7 @@ TEST_F(PersonScore, IsTheMeanConfidenceByTheUsualOne) {
 
 TEST_F(PersonScore, WhatTheModelCannotAgreeOnIsNoPerson) {
   const Model agreed(0), apart(100);
-  Scene s = room();
+  Scene s = room_at_320();
   add(s, person_at(0, 2700, 1));
   PersonDetector sure(s.width, s.height, *agreed.model), torn(s.width, s.height, *apart.model);
   EXPECT_TRUE(show(sure, s).person.found);
@@ -90,7 +80,7 @@ TEST_F(PersonScore, WhatTheModelCannotAgreeOnIsNoPerson) {
 
 TEST_F(PersonScore, TheSelectedUserIsNotRejected) {
   const Model apart(100);
-  Scene s = room();
+  Scene s = room_at_320();
   add(s, person_at(0, 2700, 1));
   PersonDetector torn(s.width, s.height, *apart.model);
   Segmenter ids(s.width, s.height);
@@ -104,7 +94,7 @@ TEST_F(PersonScore, TheSelectedUserIsNotRejected) {
 }
 
 TEST_F(PersonScore, ARejectedUserIsPassedOverForAnother) {
-  Scene s = room();
+  Scene s = room_at_320();
   add(s, person_at(-500, 2400, 1));
   add(s, person_at(500, 3300, 2));
   Segmenter segmenter(s.width, s.height);
@@ -132,7 +122,7 @@ TEST_F(PersonScore, ARejectedUserIsPassedOverForAnother) {
 
 TEST_F(PersonScore, ACandidateIsFoundByTheJointsInSixFrames) {
   const Model agreed(0), apart(100);
-  Scene s = room();
+  Scene s = room_at_320();
   add(s, profile_at(0, 2600));
   PersonDetector sure(s.width, s.height, *agreed.model), torn(s.width, s.height, *apart.model);
   int first = -1;
@@ -154,7 +144,7 @@ TEST_F(PersonScore, ACandidateIsFoundByTheJointsInSixFrames) {
 TEST_F(PersonScore, ACandidateNeedsNoFloor) {
   const Model agreed(0), apart(100);
   for (const float wall_z : {0.0F, 4800.0F}) {
-    Scene s = room();
+    Scene s = room_at_320();
     s.floor = false;
     s.wall_z = wall_z;
     add(s, profile_at(0, 2600));
@@ -175,7 +165,7 @@ TEST_F(PersonScore, ACandidateNeedsNoFloor) {
 // A hand before the hip, or a hem, hides where the legs join the trunk: they are a surface of their own.
 TEST_F(PersonScore, ABodySplitFromItsLegsIsFoundWhole) {
   const Model agreed(0), apart(100);
-  Scene s = room();
+  Scene s = room_at_320();
   add(s, profile_at(0, 2500));
   for (Capsule& part : s.capsules)
     if (part.a.y <= 910) part.a.z += 160, part.b.z += 160;  // 90 mm is one surface at that distance
@@ -201,7 +191,7 @@ TEST_F(PersonScore, ABodySplitFromItsLegsIsFoundWhole) {
 
 TEST_F(PersonScore, AnObjectOnABoxIsNoSplitBody) {
   const Model agreed(0);
-  Scene s = room();
+  Scene s = room_at_320();
   add(s, {{{0, 1150, 2600}, {0, 1500, 2600}, 130, 1}});  // as round as a trunk
   s.boxes.push_back({{-160, 0, 2560}, {160, 1000, 2900}});
   PersonDetector sure(s.width, s.height, *agreed.model);
@@ -209,7 +199,7 @@ TEST_F(PersonScore, AnObjectOnABoxIsNoSplitBody) {
 }
 
 TEST_F(PersonScore, APersonsShapeIsLikelierThanFurnitures) {
-  Scene s = room();
+  Scene s = room_at_320();
   add(s, person_at(0, 2700, 1));
   Segmenter segmenter(s.width, s.height);
   PersonTracker people;

@@ -18,23 +18,13 @@ using room_test::kKinectNoise;
 using room_test::person_at;
 using room_test::profile_at;
 using room_test::render;
+using room_test::room_at_320;
 using room_test::Scene;
 
 constexpr JointEvidence kSure = {1.0F, 3.0F, true};
 constexpr JointEvidence kPerhaps = {0.5F, 0.5F, true};  // a person's odds, but not at first sight
 constexpr JointEvidence kUnsure = {0.5F, -1.5F, true};  // too little, yet not hopeless
 constexpr JointEvidence kHopeless = {0.1F, -6.0F, true};
-
-Scene room() {
-  Scene s;
-  s.width = 320;
-  s.height = 240;
-  s.focal = 287.9F;
-  s.camera_height = 1100;
-  s.pitch_deg = 4;
-  s.wall_z = 4800;
-  return s;
-}
 
 class PersonTracking : public testing::Test {
  protected:
@@ -65,7 +55,7 @@ class PersonTracking : public testing::Test {
 };
 
 TEST_F(PersonTracking, AConfirmedUserIsAcceptedAtOnceByGoodJoints) {
-  Scene s = room();
+  Scene s = room_at_320();
   add(s, person_at(0, 2700, 1));
   const Person person = run(s);
   ASSERT_TRUE(person.found);
@@ -76,7 +66,7 @@ TEST_F(PersonTracking, AConfirmedUserIsAcceptedAtOnceByGoodJoints) {
 }
 
 TEST_F(PersonTracking, ACandidateIsAcceptedAfterSixFrames) {
-  Scene s = room();
+  Scene s = room_at_320();
   add(s, profile_at(0, 2600));
   for (int i = 0; i < 2; ++i) ASSERT_FALSE(confirmed(run(s).id));
   EXPECT_EQ(accepted_frames(s, kPerhaps, kOddsFrames - 1), 0);
@@ -88,7 +78,7 @@ TEST_F(PersonTracking, ACandidateIsAcceptedAfterSixFrames) {
 }
 
 TEST_F(PersonTracking, WithoutAFloorMoreIsAsked) {
-  Scene s = room();
+  Scene s = room_at_320();
   add(s, profile_at(0, 2600));
   EXPECT_EQ(accepted_frames(s, {0.5F, 0.9F, false}, 3 * kOddsFrames), 0);
   EXPECT_EQ(accepted_frames(s, {0.5F, 9.0F, false}, 3), 3);
@@ -96,7 +86,7 @@ TEST_F(PersonTracking, WithoutAFloorMoreIsAsked) {
 
 // Of two candidates the nearer.
 TEST_F(PersonTracking, ACandidateStaysSelectableUntilRejected) {
-  Scene s = room();
+  Scene s = room_at_320();
   add(s, profile_at(0, 2600));
   int id = 0;
   for (int i = 0; i < kLongFrames; ++i) {
@@ -115,7 +105,7 @@ TEST_F(PersonTracking, ACandidateStaysSelectableUntilRejected) {
 }
 
 TEST_F(PersonTracking, AHopelessCandidateIsRejectedSooner) {
-  Scene s = room();
+  Scene s = room_at_320();
   add(s, profile_at(0, 2600));
   add(s, profile_at(600, 3600));
   const int id = run(s).id;
@@ -127,7 +117,7 @@ TEST_F(PersonTracking, AHopelessCandidateIsRejectedSooner) {
 }
 
 TEST_F(PersonTracking, ARejectionSticks) {
-  Scene s = room();
+  Scene s = room_at_320();
   add(s, person_at(-500, 2400, 1));
   add(s, person_at(500, 3300, 2));
   const int near = run(s).id;
@@ -143,7 +133,7 @@ TEST_F(PersonTracking, ARejectionSticks) {
 
 // A person who turns aside is shaped like one no more, and is not given up for that at once.
 TEST_F(PersonTracking, AConfirmedUserTurnedAsideStaysConfirmedForAWhile) {
-  Scene s = room(), aside = room();
+  Scene s = room_at_320(), aside = room_at_320();
   add(s, person_at(0, 2600));
   add(aside, profile_at(0, 2600));
   const int id = run(s).id;
@@ -159,7 +149,7 @@ TEST_F(PersonTracking, AConfirmedUserTurnedAsideStaysConfirmedForAWhile) {
 // Two people about as far away: the choice does not flicker from one to the other.
 TEST_F(PersonTracking, WhoIsLookedAtIsKeptUntilAnotherIsClearlyNearer) {
   const auto scene = [](float left_mm, float right_mm) {
-    Scene s = room();
+    Scene s = room_at_320();
     add(s, person_at(-500, left_mm, 1));
     add(s, person_at(500, right_mm, 2));
     return s;
@@ -174,7 +164,7 @@ TEST_F(PersonTracking, WhoIsLookedAtIsKeptUntilAnotherIsClearlyNearer) {
 }
 
 TEST_F(PersonTracking, WhoIsSelectedNeedsNoJudgement) {
-  Scene s = room();
+  Scene s = room_at_320();
   add(s, person_at(0, 2700, 1));
   const int id = run(s).id;
   people_.select(id);
@@ -184,7 +174,7 @@ TEST_F(PersonTracking, WhoIsSelectedNeedsNoJudgement) {
 }
 
 TEST_F(PersonTracking, ARecordEndsWithItsUser) {
-  Scene s = room();
+  Scene s = room_at_320();
   add(s, person_at(0, 2700, 1));
   const int id = run(s).id;
   EXPECT_TRUE(people_.judge(id, kSure));

@@ -189,6 +189,18 @@ inline std::vector<Capsule> profile_at(float x, float z) {
           {at(30, 40, -70), at(190, 35, -70), 36, 1},
           {at(-90, 40, 70), at(60, 35, 70), 36, 1}};
 }
+// A Kinect at half its resolution, 1.1 m high, before a wall.
+inline Scene room_at_320() {
+  Scene s;
+  s.width = 320;
+  s.height = 240;
+  s.focal = 287.9F;
+  s.camera_height = 1100;
+  s.pitch_deg = 4;
+  s.wall_z = 4800;
+  return s;
+}
+
 inline void add(Scene& scene, const std::vector<Capsule>& person) {
   scene.capsules.insert(scene.capsules.end(), person.begin(), person.end());
 }
