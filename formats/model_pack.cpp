@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/model_pack.h"
 
-#include <algorithm>
-#include <array>
 #include <cstring>
 #include <utility>
 
@@ -29,6 +27,13 @@ Error corrupt(const std::string& what) {
   return {ErrorCode::corrupt, what + "; get the pack again"};
 }
 
+// "...2, older than the 3 this im2fit reads; get a newer pack"
+std::string other_version(std::uint32_t found, std::uint32_t read) {
+  const bool older = found < read;
+  return std::to_string(found) + ", " + (older ? "older" : "newer") + " than the " + std::to_string(read) +
+         " this im2fit reads; get a " + (older ? "newer pack" : "newer im2fit, or an older pack");
+}
+
 // A pack of another version is not damaged.
 Status check_version(std::span<const std::byte> bytes, const std::string& what) {
   if (bytes.size() < kHeadBytes || std::memcmp(bytes.data(), kPackMagic, kMagicBytes) != 0)
@@ -36,11 +41,7 @@ Status check_version(std::span<const std::byte> bytes, const std::string& what) 
   std::uint32_t version = 0;
   std::memcpy(&version, bytes.data() + kMagicBytes, sizeof version);
   if (version == kPackVersion) return Ok{};
-  const bool older = version < kPackVersion;
-  return Error{ErrorCode::unsupported, what + " is a model pack of format " + std::to_string(version) + ", " +
-                                           (older ? "older" : "newer") + " than the " + std::to_string(kPackVersion) +
-                                           " this im2fit reads; get a " +
-                                           (older ? "newer pack" : "newer im2fit, or an older pack")};
+  return Error{ErrorCode::unsupported, what + " is a model pack of format " + other_version(version, kPackVersion)};
 }
 
 Status check_sizes(const ContainerReader& container, const std::string& what) {
@@ -88,11 +89,8 @@ Result<std::vector<std::byte>> unpack_zstd(std::span<const std::byte>, std::uint
 
 Error other_format(const std::string& pack, const std::string& kind, const std::string& file, std::uint32_t found,
                    std::uint32_t read) {
-  const bool older = found < read;
-  return {ErrorCode::unsupported, pack + ": its " + kind + " (" + file + ") is of format " + std::to_string(found) +
-                                      ", " + (older ? "older" : "newer") + " than the " + std::to_string(read) +
-                                      " this im2fit reads; get a " +
-                                      (older ? "newer pack" : "newer im2fit, or an older pack")};
+  return {ErrorCode::unsupported,
+          pack + ": its " + kind + " (" + file + ") is of format " + other_version(found, read)};
 }
 
 bool is_model_pack(const std::string& path) {

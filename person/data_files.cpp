@@ -24,16 +24,15 @@ Error advised(const Error& error, const char* maker) {
                           (absent ? ", or install a pack with im2fit models install" : "")};
 }
 
-struct KnownModel {
-  const char* file;
-  const char* kind;
-  std::uint32_t version;
-};
-constexpr KnownModel kKnownModels[] = {{kPackedBody, "body", body::kBodyVersion},
-                                       {kPackedTracker, "tracker", joints::kTrackerVersion},
-                                       {kPackedIndex, "index", index::kVersion}};
+constexpr KnownModel kKnownModels[] = {{"I2BD", "body", kPackedBody, body::kBodyVersion},
+                                       {"I2TR", "tracker", kPackedTracker, joints::kTrackerVersion},
+                                       {"I2FX", "index", kPackedIndex, index::kVersion}};
 
 }  // namespace
+
+std::span<const KnownModel> known_models() {
+  return kKnownModels;
+}
 
 Result<std::vector<std::byte>> model_of(const ModelPack& pack, const std::string& path, const std::string& name) {
   auto bytes = pack.file(name);

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,15 @@ namespace im2fit {
 // Wherever a path names a body, an index or a tracker, it may name a model pack that holds one.
 Result<body::BodyModel> load_body(const std::string& path);
 Result<index::Index> load_index(const std::string& path);
+
+// What this program reads of its own files; a pack has one of each.
+struct KnownModel {
+  const char* magic;
+  const char* kind;  // for messages
+  const char* file;  // in packs and in directories
+  std::uint32_t version;
+};
+std::span<const KnownModel> known_models();
 
 // A model's bytes, of a file or out of a pack; `name` is what a pack calls it (formats/model_pack.h). Errors: as of
 // reading them; unsupported for a packed model of another format.

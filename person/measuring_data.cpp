@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "person/measuring_data.h"
 
+#include <array>
 #include <utility>
 
 #include "body/shape_space.h"
@@ -50,12 +51,15 @@ struct PackedModel {
   const char* name;
 };
 
+std::array<PackedModel, 3> models_of(const MeasuringFiles& files, MeasuringBytes& bytes) {
+  return {{{files.tracker, bytes.tracker, kPackedTracker},
+           {files.index, bytes.index, kPackedIndex},
+           {files.body, bytes.body, kPackedBody}}};
+}
+
 // Of a pack that is named for several models, all in one reading.
 Status unpack_models(const MeasuringFiles& files, MeasuringBytes& bytes) {
-  const PackedModel models[] = {{files.tracker, bytes.tracker, kPackedTracker},
-                                {files.index, bytes.index, kPackedIndex},
-                                {files.body, bytes.body, kPackedBody}};
-  for (const PackedModel& first : models) {
+  for (const PackedModel& first : models_of(files, bytes)) {
     if (first.bytes || first.path.empty() || !is_model_pack(first.path)) continue;
     const auto file = MappedFile::open(first.path);
     if (!file) return file.error();
@@ -70,10 +74,7 @@ Status take_models(std::span<const std::byte> pack, const std::string& name, con
                    MeasuringBytes& bytes) {
   const auto opened = ModelPack::parse(pack, name, false);
   if (!opened) return opened.error();
-  const PackedModel models[] = {{files.tracker, bytes.tracker, kPackedTracker},
-                                {files.index, bytes.index, kPackedIndex},
-                                {files.body, bytes.body, kPackedBody}};
-  for (const PackedModel& model : models) {
+  for (const PackedModel& model : models_of(files, bytes)) {
     if (model.bytes || model.path != name) continue;
     auto content = model_of(*opened, name, model.name);
     if (!content) return content.error();

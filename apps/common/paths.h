@@ -11,11 +11,14 @@
 #include <string>
 #include <vector>
 
+#include "formats/model_pack.h"
+
 namespace im2fit {
 
-inline constexpr char kBodyFile[] = "body.i2b";
-inline constexpr char kTrackerFile[] = "tracker.i2t";
-inline constexpr char kIndexFile[] = "index.i2f";
+// In a directory they have the names that they have in a pack.
+inline constexpr const char* kBodyFile = kPackedBody;
+inline constexpr const char* kTrackerFile = kPackedTracker;
+inline constexpr const char* kIndexFile = kPackedIndex;
 
 std::string environment(const char* name);  // "" when it is not set
 std::string cache_directory();

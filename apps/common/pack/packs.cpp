@@ -17,12 +17,10 @@
 
 #include "apps/common/directory.h"
 #include "apps/common/paths.h"
-#include "body/model_data.h"
 #include "core/crc32c.h"
 #include "core/text.h"
 #include "formats/json_file.h"
-#include "index/format.h"
-#include "perception/joints/model_data.h"
+#include "person/data_files.h"
 
 namespace im2fit::apps {
 namespace {
@@ -36,28 +34,17 @@ constexpr std::size_t kNameBytesMax = 200;
 constexpr char kUnpackedFolder[] = ".models.part";
 constexpr std::size_t kMagicBytes = 4, kHeadBytes = 8;  // magic and version, core/container.h
 
-// What this program reads of its own files; each pack has one of each.
-struct Known {
-  const char* magic;
-  const char* name;
-  const char* file;
-  std::uint32_t version;
-};
-constexpr Known kKnown[] = {{"I2BD", "body", kPackedBody, body::kBodyVersion},
-                            {"I2TR", "tracker", kPackedTracker, joints::kTrackerVersion},
-                            {"I2FX", "index", kPackedIndex, index::kVersion}};
-
-const Known* known_of(std::string_view magic) {
-  for (const Known& known : kKnown)
+const KnownModel* known_of(std::string_view magic) {
+  for (const KnownModel& known : known_models())
     if (magic == known.magic) return &known;
   return nullptr;
 }
 
 // An older or newer file is refused before it is unpacked.
 Status check_format(const PackedFile& file, const std::string& what) {
-  const Known* known = known_of(file.magic);
+  const KnownModel* known = known_of(file.magic);
   if (known == nullptr || file.format == known->version) return Ok{};
-  return other_format(what, known->name, file.name, file.format, known->version);
+  return other_format(what, known->kind, file.name, file.format, known->version);
 }
 
 // Names are written below a directory of ours and nowhere else, and printed.
@@ -115,20 +102,20 @@ std::string fault_of_files(const std::vector<PackedFile>& files) {
   for (const std::string& name : names)
     for (std::size_t at = name.find('/'); at != std::string::npos; at = name.find('/', at + 1))
       if (names.contains(name.substr(0, at))) return fmt::format("{} is a file and a folder", name.substr(0, at));
-  for (const Known& known : kKnown) {
+  for (const KnownModel& known : known_models()) {
     const auto found =
         std::find_if(files.begin(), files.end(), [&](const auto& file) { return file.name == known.file; });
-    if (found == files.end()) return fmt::format("it lists no {} ({})", known.name, known.file);
+    if (found == files.end()) return fmt::format("it lists no {} ({})", known.kind, known.file);
     if (found->magic != known.magic)
       return fmt::format("{} begins with '{}', expected '{}' of a {}", known.file, excerpt(found->magic), known.magic,
-                         known.name);
+                         known.kind);
   }
   return "";
 }
 
 // Of the file of this number and name.
 std::string section_name(std::size_t number, const std::string& name) {
-  for (const Known& known : kKnown)
+  for (const KnownModel& known : known_models())
     if (name == known.file) return name;
   return std::to_string(number);
 }
@@ -300,7 +287,7 @@ Status install_pack(const PackOnDisk& pack, const std::string& directory) {
   if (code) return Error{ErrorCode::io, "cannot remove " + manifest + ": " + code.message()};
   // The body last: tracker and index name each other, so that those of two packs are refused.
   const auto turn_of_file = [](const PackedFile& file) {
-    return known_of(file.magic) == nullptr ? 0 : file.magic == kKnown[0].magic ? 2 : 1;
+    return known_of(file.magic) == nullptr ? 0 : file.name == kPackedBody ? 2 : 1;
   };
   for (const int turn : {0, 1, 2})
     for (const PackedFile& file : pack.manifest.files)
