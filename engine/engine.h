@@ -245,7 +245,8 @@ class Engine : public FrameSink {
   // begins anew, as next_person() before MEASURED does. From the producer thread; waits as reset() does.
   virtual void select_user(int user) = 0;
   // From the next frame on measures only people whose feet are within; none: everywhere. The session goes on; who
-  // held it and is outside is absent. From the producer thread; waits as reset() does. Error: it is no region.
+  // held it and is outside is absent. From the producer thread; waits as reset() does.
+  // Error: invalid_argument, for a rectangle that check_region refuses.
   virtual Status set_region(const std::optional<FloorRegion>& region) = 0;
   // For overlays, after finish(): the fused picture of the front. Empty views when there is none.
   virtual ImageView<const std::uint16_t> fused_depth_q4() const = 0;

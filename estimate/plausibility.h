@@ -33,7 +33,7 @@ FittedStance stance_of(const body::PosedSkeleton& bones, std::span<const Vec3f> 
 
 // Plain data. Numbers that are not known are not numbers.
 struct Plausibility {
-  GuidanceSet refused = 0;  // codes with which there is no answer
+  GuidanceSet refused = 0;  // codes that refuse the answer
   GuidanceSet beside = 0;   // codes beside an answer
   float floor_bend = std::numeric_limits<float>::quiet_NaN();
   float knees_deg = std::numeric_limits<float>::quiet_NaN();

@@ -34,7 +34,7 @@ struct MeasuringOptions {
   bool rest = false;               // as EngineSettings; recordings never rest
 };
 
-// "x0,z0,x1,z1" in metres on the floor; nothing: it is no region.
+// The region that a text "x0,z0,x1,z1" means, in metres on the floor. No value for any other text.
 std::optional<FloorRegion> region_of(const std::string& text);
 // The fault in such a text, "" for none.
 std::string region_fault(const std::string& text);
