@@ -33,7 +33,8 @@ endfunction()
 #   Os  once a person or a handle: a quarter smaller, and no frame waits for it
 #   O1  once a command or a test: a third less to compile; -O0 with sanitizers, where -O1 takes three times as long
 # -fno-math-errno lets the vectoriser take square roots. None of these changes a bit: fused and reordered arithmetic
-# are both off. Debug builds keep the build type's level, and so do other levels with sanitizers.
+# are both off. Debug builds keep the build type's level, and so do other levels with sanitizers. A section a function
+# lets the linker leave out what the library does not call.
 function(im2fit_level level)
   if(IM2FIT_SANITIZE)
     if(level STREQUAL "O1")
@@ -44,7 +45,8 @@ function(im2fit_level level)
     return()
   endif()
   foreach(name ${ARGN})
-    target_compile_options(${name} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-${level}> -fno-math-errno)
+    target_compile_options(${name} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-${level}> -fno-math-errno
+                                           -ffunction-sections -fdata-sections)
   endforeach()
 endfunction()
 
