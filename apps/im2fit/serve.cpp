@@ -16,6 +16,7 @@
 #include "apps/kiosk/operator_gate.h"
 #include "apps/kiosk/web_server_library.h"
 #include "apps/sessions/store.h"
+#include "engine/diagnosis.h"
 #include "person/tape_file.h"
 
 namespace im2fit::apps {
@@ -52,7 +53,13 @@ class PageListener final : public LiveListener {
   PageListener(LivePage& page, const ServeOptions& options)
       : page_(page), options_(options), frames_wanted_(options.live.session.frames) {}
   void begin(const SessionOutcome& session) override {
-    if (options_.desk) page_.use_source(session.input.source->info(), versions_of(options_.live.session));
+    if (options_.desk) {
+      const hal::SourceInfo& source = session.input.source->info();
+      page_.use_source(source, versions_of(options_.live.session),
+                       [&session, intrinsics = source.intrinsics](DepthView depth) {
+                         return diagnose(depth, intrinsics, &session.data.tracker->model());
+                       });
+    }
     page_.begin(session.input.source->info().intrinsics, frames_wanted_);
     page_.trouble("");
     invite();
@@ -68,6 +75,7 @@ class PageListener final : public LiveListener {
   std::uint64_t permit() override { return page_.permit(); }
   void begin_person(std::uint64_t permit) override { page_.begin_person(permit); }
   ReportedFacts reported(std::uint64_t permit) override { return page_.reported(permit); }
+  OperatorRegion region() override { return page_.region(); }
   void see(const FrameSeen& frame) override { page_.see(frame); }
   void publish(const Json& event) override { page_.publish(event); }
   Status measured(const SessionOutcome& session) override {
@@ -129,7 +137,8 @@ Result<OperatorSettings> operator_settings(const ServeOptions& options) {
   desk.root = options.sessions;
   desk.site = options.site;
   const SessionOptions& session = options.live.session;
-  desk.settings = {session.frames, session.turn, session.calibration, session.clothing, session.sensor};
+  desk.settings = {session.frames,   session.turn,   session.calibration,
+                   session.clothing, session.sensor, session.region};
   const auto tape = load_tapes(session.tapes);
   if (!tape) return tape.error();
   for (const body::TapeDefinition& d : tape->definitions) {

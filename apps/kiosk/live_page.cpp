@@ -300,7 +300,10 @@ void LivePage::see(const FrameSeen& frame) {
     if (!is_current()) return;  // of the visit before
     visit = visit_.number();
   }
-  if (desk_) desk_->see(visit, frame);
+  if (desk_) {
+    desk_->see(visit, frame);
+    desk_->look(frame);
+  }
   if (server_->watchers() == 0) return;
   move(frame);
   const auto now = std::chrono::steady_clock::now();

@@ -66,9 +66,12 @@ class LivePage {
   void see(const FrameSeen& frame);
   void publish(const Json& event);
   // What the operator's part writes into sessions. Before begin().
-  void use_source(const hal::SourceInfo& source, const sessions::Versions& versions) {
-    if (desk_) desk_->use_source(source, versions);
+  void use_source(const hal::SourceInfo& source, const sessions::Versions& versions,
+                  DiagnosePicture diagnose = nullptr) {
+    if (desk_) desk_->use_source(source, versions, std::move(diagnose));
   }
+  // As the operator set it.
+  OperatorRegion region() const { return desk_ ? desk_->region() : OperatorRegion{}; }
   // What the person of this visit reported last; `count` 0: nothing, or the visit is over.
   ReportedFacts reported(std::uint64_t visit);
   // Before its event, `measured`.

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "apps/common/measuring.h"
 #include "core/text.h"
 #include "engine/engine.h"
 #include "formats/json_file.h"
@@ -70,6 +71,7 @@ void set_settings(Json& json, const Settings& settings) {
   set_or_drop(json, "calibration", settings.calibration);
   set_or_drop(json, "clothing", settings.clothing);
   set_or_drop(json, "sensor", settings.sensor);
+  set_or_drop(json, "region", settings.region);
 }
 
 // ---- from JSON: the first field that is wrong ends it.
@@ -181,6 +183,9 @@ void read_settings(Fields& fields, const Json& json, Settings& settings) {
   fields.text(json, "settings.", "calibration", settings.calibration, false);
   fields.text(json, "settings.", "clothing", settings.clothing, false);
   fields.text(json, "settings.", "sensor", settings.sensor, false);
+  fields.text(json, "settings.", "region", settings.region, false);
+  if (!settings.region.empty() && !apps::region_of(settings.region))
+    fields.wrong("settings.region", "is not x0,z0,x1,z1 in metres with x0 < x1 and z0 < z1");
 }
 
 void read_record(Fields& fields, const Json& json, Record& record) {

@@ -74,6 +74,7 @@ struct Settings {
   int frames = 0;                             // good ones behind the answer, of each side; 0: not known
   std::string turn = "none";                  // or another of kTurnNames
   std::string calibration, clothing, sensor;  // "": not known
+  std::string region;  // "x0,z0,x1,z1" in metres, within which people were measured; "": everywhere
 };
 
 struct Record {

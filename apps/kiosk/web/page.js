@@ -151,6 +151,13 @@ function showRecorded() {
   at('not-deleted').textContent = notDeleted ? words.of('not_deleted') : '';
 }
 
+// What stands beside the answer, in plain words.
+function showDoubts() {
+  const sentences = result ? words.doubts(result) : [];
+  at('doubts').hidden = sentences.length === 0;
+  at('doubts').textContent = sentences.join(' ');
+}
+
 function showSize() {
   const likely = Object.entries(result.size ? result.size.probabilities : {}).sort((a, b) => b[1] - a[1]).slice(0, 2);
   const chances = document.createElement('small');
@@ -175,6 +182,7 @@ function showResult() {
     return row;
   }));
   showSize();
+  showDoubts();
   const notes = [words.of({around: 'around', 'front+back': 'front_and_back'}[result.views] || 'front_only')];
   if (result.clothing.answered_as === 'dressed') notes.push(words.of('dressed'));
   at('others').textContent = notes.join(' ');
@@ -222,6 +230,7 @@ function forget() {
   delete document.body.dataset.near;
   delete document.body.dataset.avatar;
   for (const id of ['size', 'others', 'left']) at(id).replaceChildren();
+  showDoubts();
   at('values').tBodies[0].replaceChildren();
   document.dispatchEvent(new CustomEvent('im2fit-forget'));
 }

@@ -46,6 +46,13 @@ class Words {
     const locale = this.locale.startsWith(this.language) ? this.locale : this.language;
     return new Intl.NumberFormat(locale, {minimumFractionDigits: digits, maximumFractionDigits: digits}).format(value);
   }
+  // A sentence for each code that stands beside the answer of this result.json.
+  doubts(result) {
+    const ground = ((result.guidance_details || {}).feet_raised || {}).ground_mm;
+    const height = ground === undefined ? '' : `${this.value(ground, 'mm')} ${this.unit('mm')}`;
+    return Object.keys(this.table.doubts).filter((code) => (result.guidance || []).includes(code))
+      .map((code) => this.table.doubts[code].replace('{h}', height));
+  }
   percent(share) { return new Intl.NumberFormat(this.language, {style: 'percent'}).format(share); }
   unit(unit) {
     const short = unit === 'kg' ? (this.inches ? 'lb' : 'kg') : this.inches ? 'in' : 'cm';

@@ -184,6 +184,36 @@ TEST_F(AxeOperator, FindsNothingBeforeAndAfterAPerson) {
   }
 }
 
+// The region reaches the engine: a person outside of it is not measured, and is once it is taken away.
+TEST_F(OperatorPage, PeopleAreMeasuredWhereTheOperatorSays) {
+  const std::string url = serve({});
+  test::Browser browser(folder_.path(""), {"--lang=en-GB"});
+  ASSERT_TRUE(browser.ready()) << browser.messages();
+  browser.go(url + "/operator?lang=en");
+  sign_in(browser);
+  ASSERT_TRUE(browser.wait_for("return document.body.dataset.phase === 'IDLE'")) << run_->messages();
+  browser.run(R"js(
+    window.outside = 0;
+    stream.addEventListener('message', (message) => {
+      const event = JSON.parse(message.data), left = (event.guidance_details || {}).left_out || [];
+      window.outside += left.some((one) => one.reason === 'outside');
+    });
+    at('x0').value = '6'; at('x1').value = '7'; at('z0').value = '6'; at('z1').value = '7'; at('region-set').click();)js");
+  ASSERT_TRUE(browser.wait_for("return at('region-now').textContent === of('region.held')"))
+      << browser.run("return at('trouble').textContent");
+  browser.run("at('begin').click()");
+  EXPECT_TRUE(browser.wait_for("return window.outside > 0")) << "named as outside";
+  EXPECT_EQ(browser.run("return document.body.dataset.phase"), "RECORDING");
+  browser.run("at('region-set').disabled = false; at('region-set').click()");
+  EXPECT_TRUE(browser.wait_for("return at('trouble').textContent.includes('being recorded')"));
+  browser.run("at('discard').click()");
+  ASSERT_TRUE(browser.wait_for("return document.body.dataset.phase === 'IDLE'"));
+  browser.run("for (const id of kEdges) at(id).value = ''; at('region-set').click()");
+  ASSERT_TRUE(browser.wait_for("return at('region-now').textContent === of('region.everywhere')"));
+  browser.run("at('begin').click()");
+  EXPECT_TRUE(browser.wait_for("return document.body.dataset.phase === 'MEASURED'"));
+}
+
 TEST_F(OperatorPage, IsRefusedWithoutAPassword) {
   for (const std::vector<std::string>& more : {std::vector<std::string>{},
                                                {"--host", "0.0.0.0"},

@@ -58,7 +58,7 @@ const faults = () => {
     for (const id of ['size', 'try-on', 'to-phone', 'open-figures', 'left', 'more', 'delete', 'view']) inside(at(id), id);
     // Nothing of it is behind what stands below it.
     const floor = at('actions').getBoundingClientRect().top;
-    const told = at('told').childElementCount > 0 || !at('recorded').hidden;
+    const told = at('told').childElementCount > 0 || !at('recorded').hidden || !at('doubts').hidden;
     for (const e of document.querySelectorAll('#tryon .row, #tryon .verdict')) {
       if (!told || e.classList.contains('row')) inside(e, e.className);
       if (!told && seen(e) && e.getBoundingClientRect().bottom > floor) say(`${e.className} behind the actions`);
@@ -89,7 +89,11 @@ const apps::Json kDoubted = {{"given",
                                {"weight", {{"value", 130}, {"sd", 3}, {"unit", "kg"}}}}},
                              {"used", {"stature"}},
                              {"doubted", {"weight"}}};
-constexpr int kStatesLooked = 41;
+// Of a result: the person stood on something, and their crown has no depth.
+const apps::Json kBeside = {
+    {"guidance", {"FEET_RAISED", "HEAD_UNSEEN"}},
+    {"guidance_details", {{"feet_raised", {{"ground_mm", 38.7}}}, {"head_unseen", {{"added_mm", 12.5}}}}}};
+constexpr int kStatesLooked = 42;
 constexpr std::pair<int, int> kScreens[] = {{390, 844}, {800, 1280}, {1280, 800}, {1920, 1080}};
 
 class Screens : public testing::Test {
@@ -177,7 +181,13 @@ void Screens::through_all_states(const std::function<void(const std::string& cod
   browser_->run("at('open-figures').click()");
   EXPECT_TRUE(browser_->wait_for("return !at('figures').hidden && at('tryon').hidden"));
   at("DONE");
-  browser_->run("at('try-on').click(); at('facts-open').click()");
+  // What stands beside an answer, as long as it gets.
+  page->more_of_result = kBeside;
+  page->measured(987.6, "", kDoubted, true);
+  EXPECT_TRUE(browser_->wait_for("return !at('doubts').hidden"));
+  browser_->run("at('try-on').click()");
+  at("DONE");
+  browser_->run("at('facts-open').click()");
   at("FACTS");
   browser_->run("at('facts-skip').click()");
   at("DONE");
@@ -292,6 +302,33 @@ TEST_F(Screens, FitIsToldInAShopsWords) {
   EXPECT_EQ(told("es", "S"), "S: aprieta un poco en la cintura");
   EXPECT_EQ(told("fr", "XL"), "XL : un peu ample à la poitrine, à la taille et aux hanches");
   EXPECT_EQ(told("zh", "S"), "S：腰部稍紧");
+}
+
+TEST_F(Screens, WhatStandsBesideAnAnswerIsToldInPlainWords) {
+  test::ShownPage page;
+  ASSERT_NO_FATAL_FAILURE(open(page));
+  ASSERT_NO_FATAL_FAILURE(agree());
+  page.more_of_result = kBeside;
+  page.measured(987.6);
+  ASSERT_TRUE(shows("DONE"));
+  const auto told = [&](const std::string& language) {
+    browser_->run("words.language = '" + language + "'; showTexts()");
+    return browser_->run("return at('doubts').hidden ? '' : at('doubts').textContent").get<std::string>();
+  };
+  EXPECT_EQ(told("en"),
+            "You stood 3.9 cm above the floor; your height is counted from there. "
+            "The top of your head was not seen, so your height is less accurate.");
+  EXPECT_THAT(told("de"), testing::StartsWith("Sie standen 3,9 cm über dem Boden"));
+  EXPECT_THAT(told("zh"), testing::HasSubstr("3.9 厘米"));
+  browser_->run("words.language = 'en'; at('open-figures').click(); at('unit').click()");
+  EXPECT_THAT(told("en"), testing::StartsWith("You stood 1.5 in above"));
+  browser_->run("at('unit').click(); at('delete').click()");
+  EXPECT_TRUE(browser_->wait_for("return at('doubts').hidden && !at('doubts').textContent"));
+  ASSERT_NO_FATAL_FAILURE(agree());
+  page.more_of_result = apps::Json::object();
+  page.measured(987.6);
+  ASSERT_TRUE(shows("DONE"));
+  EXPECT_EQ(told("en"), "") << "nothing beside this answer";
 }
 
 // Who is recorded sees it from the consent on, in every language; nothing says that what is kept will be deleted.

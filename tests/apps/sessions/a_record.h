@@ -29,7 +29,7 @@ inline sessions::Record a_record() {
   record.camera = {"structured-light", "Kinect", 480, 640, 575.5, 575.25, 239.5, 319.5};
   record.site = "shop 3";
   record.versions = {"1.0.0", "0123abcd", "4567cdef", "89ab0123"};
-  record.settings = {20, "back", "none", "bare", "auto"};
+  record.settings = {20, "back", "none", "bare", "auto", "-0.6,1.5,0.6,3"};
   return record;
 }
 
