@@ -33,6 +33,7 @@ struct ServeOptions {
   bool wait = false;
   bool desk = false;  // the operator's part of the page
   std::string password_file, sessions = sessions::default_root(), site;
+  std::string shop;    // file of apps/kiosk/shop_file.h; "": none
   std::string phones;  // address where phones take results; "": they do not
   int phones_port = 8018;
 };
@@ -211,8 +212,13 @@ Result<int> run_serve(const ServeOptions& options) {
         ErrorCode::invalid_argument,
         "--motion writes the movements of all people into one file, from which no one can be deleted; it needs "
         "--no-consent"};
-  catch_interrupt();
   LivePageSettings settings;
+  if (!options.shop.empty()) {
+    auto shop = read_shop(options.shop);
+    if (!shop) return shop.error();
+    settings.shop = std::move(*shop);
+  }
+  catch_interrupt();
   settings.address = options.address;
   settings.body_path = options.live.session.input.body;
   settings.visit.ask = !options.no_consent;
@@ -270,6 +276,11 @@ void add_serve(cli::App& app, Command& chosen) {
       ->type_name("DIR")
       ->capture_default_str();
   sub->add_option("--site", options->site, "Name of this place, proposed in the operator's form")->type_name("NAME");
+  sub->add_option(
+         "--shop", options->shop,
+         "JSON file with the shop's name, logo and colours, and with the operator, purpose and contact that the "
+         "consent names; see docs/page.md")
+      ->type_name("FILE");
   sub->add_option(
          "--hand-over", options->phones,
          "Let people fetch their result once, by a QR code: this machine's address in the network of the phones; "

@@ -50,6 +50,8 @@ LivePage::LivePage(const LivePageSettings& settings)
 Result<std::unique_ptr<LivePage>> LivePage::open(const LivePageSettings& settings) {
   std::unique_ptr<LivePage> page(new LivePage(settings));
   LivePage& self = *page;
+  self.board_.put("/shop.css", {"text/css; charset=utf-8", settings.shop ? shop_css(*settings.shop) : ""});
+  if (settings.shop && !settings.shop->logo.empty()) self.board_.put("/shop.png", {"image/png", settings.shop->logo});
   self.begin({}, 0);
   self.publish_visit();
   PageHandlers handlers;
@@ -69,7 +71,7 @@ Result<std::unique_ptr<LivePage>> LivePage::open(const LivePageSettings& setting
     handlers.cloth = [&self](auto fields) { return self.fitting_->ask_cloth(fields); };
   }
   if (settings.desk) {
-    self.desk_ = std::make_unique<OperatorDesk>(*settings.desk);
+    self.desk_ = std::make_unique<OperatorDesk>(*settings.desk, settings.shop);
     self.desk_->use_visits([&self](const auto& begun) { return self.begin_recorded_visit(begun); },
                            [&self](std::uint64_t visit) { self.end_recorded_visit(visit); });
     handlers.operate = [&self](const PageRequest& request) { return self.desk_->answer(request); };
@@ -118,7 +120,8 @@ void LivePage::begin(const Intrinsics& intrinsics, int frames_wanted) {
                                {"frames_wanted", frames_wanted},
                                {"joints", kJointNames},
                                {"bones", bones},
-                               {"segments", body::kSegmentNames}}
+                               {"segments", body::kSegmentNames},
+                               {"shop", settings_.shop ? shop_json(*settings_.shop) : Json()}}
                               .dump());
 }
 

@@ -22,6 +22,7 @@
 #include "apps/kiosk/hand_over.h"
 #include "apps/kiosk/operator_desk.h"
 #include "apps/kiosk/page_server.h"
+#include "apps/kiosk/shop_file.h"
 #include "apps/kiosk/visit.h"
 #include "engine/engine.h"
 
@@ -39,6 +40,7 @@ struct LivePageSettings {
   std::function<void(const std::string& folder)> erase_folder;
   std::optional<OperatorSettings> desk;  // the operator's part of the page; nullopt: none
   std::string operator_password;         // needed with `desk`
+  std::optional<Shop> shop;              // whose page it is; none: nobody is named
   // Where phones take results that the page hands over, and nothing else; none: it hands none over.
   std::optional<PageAddress> hand_over;
   std::chrono::milliseconds hand_over_max = kHandOverMax;

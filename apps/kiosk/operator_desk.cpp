@@ -57,7 +57,8 @@ Json listed_json(const sessions::Listed& one) {
 
 }  // namespace
 
-OperatorDesk::OperatorDesk(OperatorSettings settings) : settings_(std::move(settings)) {
+OperatorDesk::OperatorDesk(OperatorSettings settings, std::optional<Shop> shop)
+    : settings_(std::move(settings)), shop_(std::move(shop)) {
   sessions::sweep(settings_.root);
 }
 
@@ -177,7 +178,10 @@ PageAnswer OperatorDesk::get(const PageRequest& request) {
   if (request.path == "/operator/form") {
     Json tape = Json::array();
     for (const auto& [name, names] : settings_.tape) tape.push_back({{"id", name}, {"names", names}});
-    return json_answer({{"site", settings_.site}, {"root", settings_.root}, {"tape", tape}});
+    return json_answer({{"site", settings_.site},
+                        {"root", settings_.root},
+                        {"tape", tape},
+                        {"shop", shop_ ? shop_json(*shop_) : Json()}});
   }
   return said(404, "not found");
 }
@@ -227,7 +231,7 @@ PageAnswer OperatorDesk::state() const {
 
 PageAnswer OperatorDesk::begin(const Json& body) {
   const ConsentText* text = consent_text(text_of(body, "language"));
-  if (text == nullptr || text_of(body, "version") != text->version)
+  if (text == nullptr || text_of(body, "version") != consent_version(text->version, shop_))
     return said(409, "the consent shown is of another version; reload the page");
   hal::SourceInfo source;
   {
@@ -248,8 +252,13 @@ PageAnswer OperatorDesk::begin(const Json& body) {
     erased_.clear();
     started_utc_ = sessions::utc_now();
     region_at_begin_ = region_text_;
-    consent_ = {std::string("operator-") + text->language + "-" + text->version, text->language, text->sha256,
-                started_utc_};
+    consent_ = {std::string("operator-") + text->language + "-" + consent_version(text->version, shop_),
+                text->language, text->sha256, started_utc_};
+    if (shop_ && shop_->consent) {
+      consent_.operator_name = shop_->consent->operator_name;
+      consent_.purpose = shop_->consent->purpose_in(text->language);
+      consent_.contact = shop_->consent->contact;
+    }
   });
   if (!begun) return said(409, "a customer's visit is in progress; end it on the customer's page first");
   return said(200, "recording");

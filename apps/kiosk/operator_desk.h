@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -19,6 +20,7 @@
 #include "apps/common/events.h"
 #include "apps/common/operator_region.h"
 #include "apps/kiosk/page_server.h"
+#include "apps/kiosk/shop_file.h"
 #include "apps/kiosk/visit_recorder.h"
 #include "hal/depth_diagnosis.h"
 
@@ -50,7 +52,8 @@ struct OperatorSettings {
 
 class OperatorDesk {
  public:
-  explicit OperatorDesk(OperatorSettings settings);
+  // `shop` is named in the consent.
+  explicit OperatorDesk(OperatorSettings settings, std::optional<Shop> shop = std::nullopt);
   ~OperatorDesk();
   OperatorDesk(const OperatorDesk&) = delete;
   OperatorDesk& operator=(const OperatorDesk&) = delete;
@@ -105,6 +108,7 @@ class OperatorDesk {
   void start_job(const std::string& kind, const std::string& id, std::function<void(Job&)> work);
 
   const OperatorSettings settings_;
+  const std::optional<Shop> shop_;
   BeginVisit begin_visit_;
   EndVisit end_visit_;
   mutable std::mutex mutex_;  // of all below

@@ -53,7 +53,7 @@ function showTexts() {
   if (!words.table) return;
   document.documentElement.lang = words.language;
   for (const e of document.querySelectorAll('[data-text]')) e.textContent = of(e.dataset.text);
-  at('points').replaceChildren(...of('consent.points').map((text) => {
+  at('points').replaceChildren(...[...of('consent.points'), ...words.shopPoints(form.shop)].map((text) => {
     const item = document.createElement('li');
     item.textContent = text;
     return item;
@@ -349,7 +349,7 @@ stream.onmessage = (message) => {
 // --- what the operator does
 at('begin').addEventListener('click', () => tried(async () => {
   said = '';
-  await ask('/operator/begin', {language: words.language, version: of('consent.version')});
+  await ask('/operator/begin', {language: words.language, version: words.consentVersion(of('consent.version'), form.shop)});
 }));
 at('discard').addEventListener('click', () => tried(() => ask('/operator/discard', {})));
 at('form').addEventListener('submit', (event) => {

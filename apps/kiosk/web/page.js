@@ -106,8 +106,9 @@ function showTexts() {
   for (const id of ['agree', 'stop', 'size-title', 'name-head', 'interval-head']) {
     at(id).textContent = page[id];
   }
+  showBrand();
   at('consent-title').textContent = words.table.consent.title;
-  const points = [...words.table.consent.points, words.table.consent[hello.keeps_files ? 'files' : 'no_files']];
+  const points = [...words.table.consent.points, ...words.shopPoints(hello.shop), words.table.consent[hello.keeps_files ? 'files' : 'no_files']];
   at('consent-points').replaceChildren(...listItems(points));
   at('sight').setAttribute('aria-label', page.sight);
   at('canvas').setAttribute('aria-label', page.body);
@@ -131,6 +132,16 @@ function showTexts() {
   show();
 }
 
+// Whose shop this is.
+function showBrand() {
+  const shop = hello.shop;
+  at('brand').hidden = !shop;
+  if (!shop) return;
+  document.title = at('shop').textContent = shop.name;
+  at('logo').hidden = !shop.logo;
+  if (shop.logo && !at('logo').src) at('logo').src = '/shop.png';
+}
+
 // A visit that an operator records: the person is told on every screen, with the text they agreed to, which is open
 // while they are recorded. What a press of Delete left is told as well.
 let notDeleted = false;
@@ -145,7 +156,7 @@ function showRecorded() {
   }
   at('recorded-words').textContent = words.of(ended ? 'recorded' : 'recording');
   at('recorded-title').textContent = consent.title;
-  at('recorded-points').replaceChildren(...listItems(consent.points));
+  at('recorded-points').replaceChildren(...listItems([...consent.points, ...words.shopPoints(hello.shop)]));
   at('delete').textContent = words.of(recorded ? 'delete_recording' : 'delete');
   at('not-deleted').hidden = !notDeleted;
   at('not-deleted').textContent = notDeleted ? words.of('not_deleted') : '';
@@ -392,7 +403,7 @@ for (const kind of ['pointerdown', 'keydown', 'wheel', 'click']) {
 }
 at('agree').addEventListener('click', () => {
   sounds.unlock();
-  ask('consent', `${words.language}-${words.table.consent.version}`);
+  ask('consent', `${words.language}-${words.consentVersion(words.table.consent.version, hello.shop)}`);
 });
 for (const id of ['delete', 'stop']) {
   at(id).addEventListener('click', async () => {

@@ -53,6 +53,15 @@ class Words {
     return Object.keys(this.table.doubts).filter((code) => (result.guidance || []).includes(code))
       .map((code) => this.table.doubts[code].replace('{h}', height));
   }
+  // Who measures, what for, and whom to ask: what a shop adds to a consent.
+  shopPoints(shop) {
+    if (!shop || !shop.consent) return [];
+    const {operator, purpose, contact} = shop.consent, texts = this.table.shop;
+    return [texts.operator.replace('{operator}', () => operator),
+      texts.purpose.replace('{purpose}', () => purpose[this.language] || purpose.en),
+      texts.contact.replace('{contact}', () => contact)];
+  }
+  consentVersion(own, shop) { return shop && shop.consent ? `${own}+${shop.consent.version}` : own; }
   percent(share) { return new Intl.NumberFormat(this.language, {style: 'percent'}).format(share); }
   unit(unit) {
     const short = unit === 'kg' ? (this.inches ? 'lb' : 'kg') : this.inches ? 'in' : 'cm';

@@ -31,6 +31,7 @@ class Desk : public testing::Test {
     settings.desk->site = site_;
     settings.desk->settings.frames = 5;
     settings.desk->settings.region = region_;
+    settings.shop = shop_;
     settings.desk->tape = {{"waist_girth", {{"en", "Waist"}}}};
     settings.desk->measure = measure_;
     page_ = std::make_unique<test::ShownPage>(settings);
@@ -87,6 +88,7 @@ class Desk : public testing::Test {
   };
   std::string camera_ = "fake", region_;
   apps::DiagnosePicture diagnose_;
+  std::optional<apps::Shop> shop_;
   std::unique_ptr<test::ShownPage> page_;
 };
 
@@ -228,6 +230,25 @@ TEST_F(Desk, AFormThatIsWrongIsRefusedByItsFieldAndMayBeSentAgain) {
   EXPECT_EQ(phase(), "MEASURED");
   EXPECT_EQ(post("/operator/save", kForm).first, 202);
   EXPECT_EQ(job_done()["error"], "");
+}
+
+TEST_F(Desk, ASessionNamesWhomTheShopsConsentNamed) {
+  shop_ = apps::Shop{};
+  shop_->name = "Shop";
+  shop_->consent = {"7", "Shop GmbH", {{"en", "to find sizes"}, {"de", "für Größen"}}, "shop@x.example"};
+  open_page();
+  EXPECT_EQ(get("/operator/form")["shop"]["consent"]["operator"], "Shop GmbH");
+  EXPECT_EQ(begin(), 409) << "the consent shown is not the shop's";
+  ASSERT_EQ(post("/operator/begin", {{"language", "de"}, {"version", "1+7"}}).first, 200);
+  frame(0);
+  page_->measured(987);
+  ASSERT_EQ(post("/operator/save", kForm).first, 202);
+  const auto record = sessions::read(root_, job_done()["id"]);
+  ASSERT_TRUE(record) << record.error().message;
+  EXPECT_EQ(record->consent.version, "operator-de-1+7");
+  EXPECT_EQ(record->consent.operator_name, "Shop GmbH");
+  EXPECT_EQ(record->consent.purpose, "für Größen");
+  EXPECT_EQ(record->consent.contact, "shop@x.example");
 }
 
 TEST_F(Desk, ARegionIsKeptForItsCamera) {

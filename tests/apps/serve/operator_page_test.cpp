@@ -227,6 +227,18 @@ TEST_F(OperatorPage, IsRefusedWithoutAPassword) {
   }
 }
 
+TEST_F(OperatorPage, AShopsFileThatIsBadEndsTheProgramAtItsStart) {
+  const std::string path = folder_.path("shop.json");
+  test::write_text(path,
+                   R"({"schema": "im2fit.shop/1", "name": "Shop", "colours": {"light": {"accent": "#ffff00"}}})");
+  const test::Run run =
+      test::run_program({IM2FIT_PROGRAM, "serve", folder_.path("two"), "--shop", path, "--port", "0"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_TRUE(test::is_one_line_of(run.err, "im2fit")) << run.err;
+  EXPECT_THAT(run.err,
+              testing::HasSubstr(path + ": colours.light.accent: #ffff00 has a contrast of 1.0 with #f6f5f2"));
+}
+
 // Exposure by systemd's own measure: 0 to 10, in tenths on its command line. The unit has 1.6; the network of this
 // machine, which a page needs, is what im2fitd's 1.0 lacks.
 TEST(ServeUnit, SystemdAcceptsItAndFindsLittleExposed) {

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 
+#include <array>
 #include <filesystem>
 #include <thread>
 
@@ -329,6 +330,68 @@ TEST_F(Screens, WhatStandsBesideAnAnswerIsToldInPlainWords) {
   page.measured(987.6);
   ASSERT_TRUE(shows("DONE"));
   EXPECT_EQ(told("en"), "") << "nothing beside this answer";
+}
+
+// A PNG of 2 x 1 pixels.
+constexpr std::array<unsigned char, 70> kLogo = {
+    0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00, 0x00,
+    0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x08, 0x02, 0x00, 0x00, 0x00, 0x7b, 0x40, 0xe8, 0xdd, 0x00, 0x00, 0x00,
+    0x0d, 0x49, 0x44, 0x41, 0x54, 0x78, 0xda, 0x63, 0xa8, 0x92, 0xb7, 0x05, 0x22, 0x00, 0x06, 0x5b, 0x01, 0xad,
+    0xb3, 0xc0, 0xc8, 0x87, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+
+// A shop's name, logo and colours, and whom the consent names: on every screen, in every language.
+TEST_F(Screens, AShopsPageHasItsNameAndItsConsent) {
+  apps::Shop shop;
+  shop.name = "Müller & Söhne, Mode seit 1899";
+  shop.accent = {"#7a1f3d", "#f2a7bd"};
+  shop.logo = std::string(kLogo.begin(), kLogo.end());
+  shop.consent = {"7",
+                  "Müller & Söhne GmbH, Hauptstraße 1, 10115 Berlin",
+                  {{"en", "to find your size {contact}"}, {"de", "um Ihre Größe zu finden"}},
+                  "datenschutz@mueller.example"};
+  std::string text;
+  apps::LivePageSettings settings;
+  settings.shop = shop;
+  settings.hand_over = {"127.0.0.1", 0};
+  settings.consented = [&](std::uint64_t, const std::string& accepted) { text = accepted; };
+  test::ShownPage page(settings);
+  ASSERT_NO_FATAL_FAILURE(open(page));
+  const auto points = [&](const std::string& language) {
+    browser_->run("words.language = '" + language + "'; showTexts()");
+    return browser_->run("return at('consent-points').innerText").get<std::string>();
+  };
+  EXPECT_THAT(points("de"), testing::AllOf(testing::HasSubstr("Es misst: Müller & Söhne GmbH, Hauptstraße 1"),
+                                           testing::HasSubstr("Wofür: um Ihre Größe zu finden"),
+                                           testing::HasSubstr("datenschutz@mueller.example")));
+  EXPECT_THAT(points("fr"), testing::HasSubstr("Dans quel but : to find your size {contact}"));
+  EXPECT_EQ(browser_->run("return [document.title, at('shop').textContent, at('brand').hidden]"),
+            (Json{"Müller & Söhne, Mode seit 1899", "Müller & Söhne, Mode seit 1899", false}));
+  EXPECT_TRUE(browser_->wait_for("return at('logo').naturalWidth === 2"));
+  for (const auto& [scheme, colour] : {std::pair{"light", "rgb(122, 31, 61)"}, {"dark", "rgb(242, 167, 189)"}}) {
+    test::prefer_colours(*browser_, scheme);
+    EXPECT_EQ(browser_->run("return getComputedStyle(at('agree')).backgroundColor"), colour) << scheme;
+  }
+  test::prefer_colours(*browser_, "light");
+  const std::string axe = test::axe_script();
+  const auto look = [&](const char* name) {
+    for (const auto& [width, height] : kScreens) {
+      browser_->resize(width, height);
+      EXPECT_EQ(browser_->run(kAllFaults), Json::array()) << name << " on " << width << "x" << height;
+      if (!axe.empty()) {
+        EXPECT_EQ(test::axe_violations(*browser_, axe), Json::array()) << name << " on " << width;
+      }
+      if (const char* kept = std::getenv("IM2FIT_SCREENSHOTS"))
+        test::write_text(fmt::format("{}/shop-{}-{}.png", kept, name, width), browser_->screenshot());
+    }
+  };
+  look("welcome");
+  browser_->run("words.language = 'de'; showTexts()");
+  ASSERT_NO_FATAL_FAILURE(agree());
+  EXPECT_EQ(text, "de-2+7");
+  page.measured(987.6);
+  ASSERT_TRUE(shows("DONE"));
+  look("result");
+  EXPECT_EQ(browser_->run("return failures"), Json::array());
 }
 
 // Who is recorded sees it from the consent on, in every language; nothing says that what is kept will be deleted.
