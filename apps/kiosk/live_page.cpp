@@ -154,7 +154,7 @@ bool LivePage::begin_recorded_visit(const std::function<void(std::uint64_t visit
   if (visit_.state() != VisitState::asking) {
     if (visit_.number() != desk_visit_) return false;  // a customer's
     visit_.next(now);
-    (void)forget(desk_visit_, false);
+    forget();  // its recording is saved or discarded: the desk would not begin another
   }
   if (!visit_.consent(visit_.id(), now)) return false;
   visit_.facts_done(now);  // the tape is compared with what the camera measured, without them
@@ -165,14 +165,20 @@ bool LivePage::begin_recorded_visit(const std::function<void(std::uint64_t visit
 }
 
 void LivePage::end_recorded_visit(std::uint64_t visit) {
-  const std::lock_guard lock(visit_mutex_);
-  if (visit_.number() != visit || visit_.state() == VisitState::asking) return;
-  visit_.next(Clock::now());
-  (void)forget(visit, true);
+  {
+    const std::lock_guard lock(visit_mutex_);
+    if (visit_.number() != visit || visit_.state() == VisitState::asking) return;
+    visit_.next(Clock::now());
+    forget();
+  }
+  (void)delete_recording(visit, true);
 }
 
-Status LivePage::forget(std::uint64_t over, bool erased) {
-  auto gone = desk_ ? desk_->visit_over(over, erased) : Status(Ok{});
+Status LivePage::delete_recording(std::uint64_t visit, bool erased) {
+  return desk_ ? desk_->visit_over(visit, erased) : Status(Ok{});
+}
+
+void LivePage::forget() {
   // Files first: who hears of the new visit finds nothing of the one before.
   board_.withdraw({"state", "frame", "picture", "measured", "tryon", "cloth", "left"},
                   {"/result.json", "/avatar.glb", "/picture.png"});
@@ -183,13 +189,12 @@ Status LivePage::forget(std::uint64_t over, bool erased) {
   folder_.clear();
   reported_ = {};
   publish_visit();
-  return gone;
 }
 
 PageAnswer LivePage::act(PageAction action, std::string_view visit, std::string_view note) {
   const PageAnswer over{409, nullptr, "that visit is over"};
   std::string folder;
-  Status gone = Ok{};
+  std::uint64_t erased = 0;  // the visit
   {
     const std::lock_guard lock(visit_mutex_);
     const auto now = Clock::now();
@@ -207,11 +212,13 @@ PageAnswer LivePage::act(PageAction action, std::string_view visit, std::string_
       case PageAction::erase:
         folder = folder_;
         if (!visit_.erase(visit, now)) return over;
-        gone = forget(number, true);
+        erased = number;
+        forget();
         break;
     }
   }
   if (!folder.empty() && settings_.erase_folder) settings_.erase_folder(folder);
+  const Status gone = erased != 0 ? delete_recording(erased, true) : Status(Ok{});
   if (!gone) return {500, nullptr, "the recording was not deleted: " + gone.error().message};
   return {200, nullptr, "done"};
 }
@@ -265,15 +272,19 @@ ReportedFacts LivePage::reported(std::uint64_t visit) {
 
 void LivePage::tick() {
   for (int ticks = 0;; ++ticks) {
+    std::uint64_t over = 0;  // the visit that time has ended
     {
       const std::lock_guard lock(visit_mutex_);
       if (ending_) return;
       const std::uint64_t number = visit_.number();
-      if (visit_.tick(Clock::now()))
-        (void)forget(number, false);
-      else if (ticks % kTicksPerBeat == 0)
+      if (visit_.tick(Clock::now())) {
+        over = number;
+        forget();
+      } else if (ticks % kTicksPerBeat == 0) {
         publish_beat();
+      }
     }
+    if (over != 0) (void)delete_recording(over, false);
     std::this_thread::sleep_for(kTickPeriod);
   }
 }
@@ -403,10 +414,9 @@ bool LivePage::publish_of_visit(const std::string& kind, const Json& event, std:
 }
 
 void LivePage::next_visit() {
-  const std::uint64_t over = visit_.number();
   visit_.next(Clock::now());
   permitted_ = visit_.number();
-  (void)forget(over, false);
+  forget();  // there is no desk without a question
 }
 
 void LivePage::may_try_on(Customer customer) {

@@ -84,19 +84,21 @@ class LivePage {
  private:
   using Clock = std::chrono::steady_clock;
   explicit LivePage(const LivePageSettings& settings);
-  // These hold visit_mutex_.
+  // These hold visit_mutex_, but not while a recording is deleted: the engine's frames need it, and a disk may be
+  // slow.
   PageAnswer act(PageAction action, std::string_view visit, std::string_view note);
   PageAnswer offer(std::string_view visit);
   PageAnswer take(std::string_view token);
   PageAnswer take_facts(std::string_view visit, std::string_view body);
   void tick();
+  Status delete_recording(std::uint64_t visit, bool erased);  // as OperatorDesk::visit_over; without the lock
   bool begin_recorded_visit(const std::function<void(std::uint64_t visit)>& begun);
   void end_recorded_visit(std::uint64_t visit);
   // These need it held.
   void publish_visit();
   void publish_beat();
-  // The visit of that number: all of it, for every client. Errors: as OperatorDesk::visit_over.
-  Status forget(std::uint64_t over, bool erased);
+  // The visit that is over: all of it that the page has, for every client.
+  void forget();
   void next_visit();
   bool publish_of_visit(const std::string& kind, const Json& event, std::string line);
   bool is_current() const { return permitted_ == visit_.number(); }

@@ -2,9 +2,13 @@
 // The operator's part over a page that the test feeds with events: consent, recording, the form, sessions.
 #include "apps/kiosk/operator_desk.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <filesystem>
+#include <future>
 #include <stdexcept>
 #include <thread>
 
@@ -179,6 +183,25 @@ TEST_F(Desk, DeleteOnThePersonsPageAlsoDeletesTheSavedSession) {
   ASSERT_NO_FATAL_FAILURE(measured_visit());
   EXPECT_EQ(page_->post("/delete", page_->visit()), 200);
   EXPECT_EQ(entries(), 1U);
+}
+
+// The engine's frames go on while a slow disk deletes: its thread asks the page for every one of them.
+TEST_F(Desk, ADeletionThatTakesItsTimeHoldsNoFrameUp) {
+  ASSERT_NO_FATAL_FAILURE(measured_visit());
+  ASSERT_EQ(post("/operator/save", kForm).first, 202);
+  ASSERT_EQ(job_done()["error"], "");
+  const std::string visit = page_->visit();
+  const int root = ::open(root_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  ASSERT_EQ(::flock(root, LOCK_EX), 0);  // a deletion waits for it
+  auto deleted = std::async(std::launch::async, [&] { return page_->post("/delete", visit); });
+  EXPECT_EQ(deleted.wait_for(std::chrono::milliseconds(300)), std::future_status::timeout);
+  auto asked = std::async(std::launch::async, [&] { return page_->page().permit(); });
+  const bool went_on = asked.wait_for(std::chrono::seconds(3)) == std::future_status::ready;
+  EXPECT_EQ(entries(), 1U) << "not deleted yet";
+  ::close(root);
+  EXPECT_TRUE(went_on);
+  EXPECT_EQ(deleted.get(), 200);
+  EXPECT_EQ(entries(), 0U) << "the answer comes after it is gone";
 }
 
 TEST_F(Desk, DeleteDuringSavingLeavesNothing) {
