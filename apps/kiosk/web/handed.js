@@ -63,7 +63,7 @@ at('unit').addEventListener('click', () => {
   show();
 });
 async function begin() {
-  const token = location.hash.slice(1);
+  const token = location.hash.slice(1).toLowerCase();  // a keyboard may have made it begin with a capital
   await words.load();  // first: without texts nothing could be shown for a token that is used up
   try {
     taken = token ? await take(token) : null;

@@ -220,6 +220,12 @@ function showCode() {
   svg.setAttribute('aria-label', offer.address);
   for (const side of ['x', 'y']) svg.firstElementChild.setAttribute(side, -margin);
   svg.lastElementChild.setAttribute('d', offer.path);
+  at('type-address').textContent = words.of('type_address');
+  // In groups, as one reads and types it.
+  const [host, token] = offer.address.split('#');
+  at('address').replaceChildren(...[`${host}#`, ...token.match(/.{1,4}/g)].map((part) => {
+    return Object.assign(document.createElement('span'), {textContent: part});
+  }));
   at('scan').textContent = words.of('scan').replace('{s}', offer.left_s);
 }
 function endOffer() {
@@ -227,6 +233,7 @@ function endOffer() {
   offer = null;
   at('code').lastElementChild.removeAttribute('d');
   at('code').removeAttribute('aria-label');
+  at('address').replaceChildren();
   showCode();
 }
 

@@ -277,6 +277,15 @@ TEST_F(Screens, TheBodyFillsTheViewAndTryingOnIsBesideIt) {
   browser_->run("at('to-phone').click()");
   ASSERT_TRUE(browser_->wait_for("return !at('phone').hidden && at('tryon').hidden"));
   EXPECT_EQ(browser_->run(view), before);
+  // For a phone that scans nothing: the same address in letters, in groups that are no part of it.
+  EXPECT_EQ(
+      browser_->run("return at('address').textContent === offer.address && /#[0-9a-f]{32}$/.test(offer.address)"),
+      true);
+  EXPECT_EQ(browser_->run("return at('address').children.length"), 9);
+  EXPECT_EQ(browser_->run(
+                "const r = at('address').getBoundingClientRect(), p = at('panel').getBoundingClientRect();"
+                "return r.height > 0 && r.right <= p.right && r.bottom <= at('actions').getBoundingClientRect().top"),
+            true);
   browser_->run("at('try-on').click()");
   EXPECT_EQ(browser_->run("return !at('tryon').hidden && at('phone').hidden"), true);
   EXPECT_EQ(browser_->run("return [...document.querySelectorAll('#choices .main')].map((b) => b.id)"),
