@@ -341,6 +341,76 @@ TEST_F(Screens, WhatStandsBesideAnAnswerIsToldInPlainWords) {
   EXPECT_EQ(told("en"), "") << "nothing beside this answer";
 }
 
+// Two sizes: two bodies, wholly in view, each with one verdict below it, which follows its body round.
+TEST_F(Screens, TwoSizesStandSideBySideWithAVerdictEach) {
+  test::ShownPage page;
+  ASSERT_NO_FATAL_FAILURE(open(page));
+  ASSERT_NO_FATAL_FAILURE(agree());
+  page.measured(987.6);
+  ASSERT_TRUE(shows("DONE"));
+  browser_->run("window.dispatchEvent(new Event('pointerdown'))");  // who compares stands before it
+  browser_->run("const HEIGHT = 1.72;" + std::string(kFigure));
+  // The room of this page makes nothing: a figure stands for what it would send.
+  browser_->run(R"js(
+    window.urls = [];
+    fitting.ask = function () {
+      window.urls.push([this.asked, this.askedBeside]);
+      this.shown = this.asked;
+      if (!this.askedBeside || this.askedBeside === this.shownBeside) return;
+      stage.standBeside(stage.avatar.clone(), hello.segments.map(() => hello.segments[0]), this.wornIsSmaller());
+      this.shownBeside = this.askedBeside;
+    };)js");
+  const std::string sides = R"js(
+    return [...document.querySelectorAll('#sides .verdict')]
+      .sort((a, b) => a.getBoundingClientRect().left - b.getBoundingClientRect().left).map((p) => p.textContent);)js";
+  const std::string press = "document.querySelector('#tryon [data-size=";
+  browser_->run("at('fitting-compare').click()");
+  EXPECT_EQ(browser_->run(sides), (Json{"M: fits", "L: a bit loose at the chest, at the waist, and at the hips"}));
+  EXPECT_EQ(browser_->run("return document.querySelectorAll('#tryon .verdict').length"), 0) << "one verdict each";
+  EXPECT_THAT(browser_->run("return window.urls.pop()[1]").get<std::string>(), testing::HasSubstr("top_size=L"));
+  browser_->run(press + "S]').click()");
+  EXPECT_EQ(browser_->run(sides), (Json{"S: a bit tight at the waist", "M: fits"})) << "the earlier choice goes";
+  EXPECT_EQ(browser_->run("return [...document.querySelectorAll('#tryon .sizes [aria-pressed=true]')]"
+                          ".map((b) => b.dataset.size)"),
+            (Json{"S", "M"}));
+  for (const auto& [width, height] : kScreens) {
+    browser_->resize(width, height);
+    browser_->run_until_called("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))");
+    EXPECT_EQ(browser_->run(kAllFaults), Json::array()) << width << "x" << height;
+    EXPECT_EQ(browser_->run(R"js(
+      stage.draw();
+      return [stage.avatar, stage.beside.avatar].every((body) => {
+        const box = new THREE.Box3().setFromObject(body);
+        return [box.min, box.max].every((p) => Math.abs(p.clone().project(stage.camera).x) <= 1);
+      });)js"),
+              true)
+        << "both in view on " << width << "x" << height;
+    EXPECT_EQ(browser_->run(R"js(
+      const box = at('stage').getBoundingClientRect();
+      return [...document.querySelectorAll('#sides .verdict')].every((p) => {
+        const r = p.getBoundingClientRect();
+        return r.left >= box.left && r.right <= box.right && r.bottom <= at('message').getBoundingClientRect().top + 1;
+      });)js"),
+              true)
+        << width << "x" << height;
+    if (const char* kept = std::getenv("IM2FIT_SCREENSHOTS"))
+      test::write_text(fmt::format("{}/sides-{}.png", kept, width), browser_->screenshot());
+  }
+  // From behind the small one is on the right, and so are its words.
+  browser_->run("stage.camera.position.set(0, 1, -4); stage.orbit.update(); stage.draw()");
+  EXPECT_EQ(browser_->run(sides), (Json{"M: fits", "S: a bit tight at the waist"}));
+  const std::string axe = test::axe_script();
+  if (!axe.empty()) {
+    EXPECT_EQ(test::axe_violations(*browser_, axe), Json::array());
+  }
+  browser_->run("at('fitting-compare').click()");
+  EXPECT_EQ(
+      browser_->run("return [at('sides').hidden, stage.beside, document.querySelectorAll('#tryon .verdict').length]"),
+      (Json{true, nullptr, 1}));
+  EXPECT_EQ(browser_->run("return stage.avatar.position.x"), 0);
+  EXPECT_EQ(browser_->run("return failures"), Json::array());
+}
+
 // A PNG of 2 x 1 pixels.
 constexpr std::array<unsigned char, 70> kLogo = {
     0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00, 0x00,
