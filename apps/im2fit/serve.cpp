@@ -33,8 +33,9 @@ struct ServeOptions {
   bool wait = false;
   bool desk = false;  // the operator's part of the page
   std::string password_file, sessions = sessions::default_root(), site;
-  std::string shop;    // file of apps/kiosk/shop_file.h; "": none
-  std::string phones;  // address where phones take results; "": they do not
+  std::string shop;        // file of apps/kiosk/shop_file.h; "": none
+  std::string statistics;  // file; "": none
+  std::string phones;      // address where phones take results; "": they do not
   int phones_port = 8018;
 };
 
@@ -207,6 +208,9 @@ Result<int> run_serve(const ServeOptions& options) {
   if (const auto checked = check_facts(options); !checked) return checked.error();
   if (const auto checked = check_operator(options); !checked) return checked.error();
   if (const auto checked = check_hand_over(options); !checked) return checked.error();
+  if (options.no_consent && !options.statistics.empty())
+    return Error{ErrorCode::invalid_argument,
+                 "--statistics counts visits, which begin with consent; leave --no-consent out"};
   if (!options.no_consent && !options.live.session.motion.empty())
     return Error{
         ErrorCode::invalid_argument,
@@ -228,6 +232,7 @@ Result<int> run_serve(const ServeOptions& options) {
     print_error(fmt::format("visit {}: consent to text {}", visit, text.empty() ? "unknown" : text));
   };
   settings.erase_folder = erase_outputs;
+  settings.statistics_path = options.statistics;
   if (!options.phones.empty())
     settings.hand_over = {options.phones, options.phones_port, "--hand-over-port or --hand-over"};
   if (options.desk) {
@@ -280,6 +285,10 @@ void add_serve(cli::App& app, Command& chosen) {
          "--shop", options->shop,
          "JSON file with the shop's name, logo and colours, and with the operator, purpose and contact that the "
          "consent names; see docs/page.md")
+      ->type_name("FILE");
+  sub->add_option("--statistics", options->statistics,
+                  "CSV file that counts visits, sizes and why people were not measured, of all people together; see "
+                  "docs/page.md")
       ->type_name("FILE");
   sub->add_option(
          "--hand-over", options->phones,

@@ -2,11 +2,13 @@
 #include "apps/kiosk/live_page.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
 #include <vector>
 
 #include "apps/common/facts_form.h"
+#include "apps/common/program.h"
 #include "apps/kiosk/hand_over.h"
 #include "apps/kiosk/small_picture.h"
 #include "formats/json_file.h"
@@ -50,6 +52,11 @@ LivePage::LivePage(const LivePageSettings& settings)
 Result<std::unique_ptr<LivePage>> LivePage::open(const LivePageSettings& settings) {
   std::unique_ptr<LivePage> page(new LivePage(settings));
   LivePage& self = *page;
+  if (!settings.statistics_path.empty()) {
+    auto statistics = Statistics::open(settings.statistics_path);
+    if (!statistics) return statistics.error();
+    self.statistics_ = std::move(*statistics);
+  }
   self.board_.put("/shop.css", {"text/css; charset=utf-8", settings.shop ? shop_css(*settings.shop) : ""});
   if (settings.shop && !settings.shop->logo.empty()) self.board_.put("/shop.png", {"image/png", settings.shop->logo});
   self.begin({}, 0);
@@ -71,7 +78,7 @@ Result<std::unique_ptr<LivePage>> LivePage::open(const LivePageSettings& setting
     handlers.cloth = [&self](auto fields) { return self.fitting_->ask_cloth(fields); };
   }
   if (settings.desk) {
-    self.desk_ = std::make_unique<OperatorDesk>(*settings.desk, settings.shop);
+    self.desk_ = std::make_unique<OperatorDesk>(*settings.desk, settings.shop, self.statistics_.get());
     self.desk_->use_visits([&self](const auto& begun) { return self.begin_recorded_visit(begun); },
                            [&self](std::uint64_t visit) { self.end_recorded_visit(visit); });
     handlers.operate = [&self](const PageRequest& request) { return self.desk_->answer(request); };
@@ -100,6 +107,10 @@ LivePage::~LivePage() {
     ending_ = true;
   }
   if (keeper_.joinable()) keeper_.join();
+  if (!statistics_) return;
+  const std::lock_guard lock(visit_mutex_);
+  count_end();
+  if (const auto written = statistics_->flush(); !written) print_error(written.error().message);
 }
 
 void LivePage::begin(const Intrinsics& intrinsics, int frames_wanted) {
@@ -116,6 +127,7 @@ void LivePage::begin(const Intrinsics& intrinsics, int frames_wanted) {
                                {"asks", settings_.visit.ask},
                                {"asks_facts", settings_.visit.ask_facts},
                                {"keeps_files", settings_.keeps_files},
+                               {"counts", statistics_ != nullptr},
                                {"hands_over", settings_.hand_over.has_value()},
                                {"frames_wanted", frames_wanted},
                                {"joints", kJointNames},
@@ -178,7 +190,23 @@ Status LivePage::delete_recording(std::uint64_t visit, bool erased) {
   return desk_ ? desk_->visit_over(visit, erased) : Status(Ok{});
 }
 
+void LivePage::count_guidance(GuidanceSet guidance) {
+  if (!counts_) return;
+  for (std::size_t i = 0; i < kGuidanceCount; ++i) kept_from_[i] += guidance >> i & 1U;
+}
+
+// Without an answer: what most frames asked for, but that somebody be there, which all ask for once they have left.
+void LivePage::count_end() {
+  if (!std::exchange(counts_, false)) return;
+  constexpr auto kNobody = static_cast<std::size_t>(std::countr_zero(static_cast<GuidanceSet>(Guidance::no_person)));
+  kept_from_[kNobody] = 0;
+  const auto most = std::max_element(kept_from_.begin(), kept_from_.end());
+  const auto code = kGuidanceNames[static_cast<std::size_t>(most - kept_from_.begin())];
+  statistics_->not_measured(local_day(), *most == 0 ? "LEFT" : std::string(code));
+}
+
 void LivePage::forget() {
+  count_end();
   // Files first: who hears of the new visit finds nothing of the one before.
   board_.withdraw({"state", "frame", "picture", "measured", "tryon", "cloth", "left"},
                   {"/result.json", "/avatar.glb", "/picture.png"});
@@ -207,6 +235,11 @@ PageAnswer LivePage::act(PageAction action, std::string_view visit, std::string_
       case PageAction::consent:
         if (!visit_.consent(visit, now)) return over;
         publish_visit();
+        if (statistics_) {
+          statistics_->visit(local_day());
+          counts_ = true;
+          kept_from_ = {};
+        }
         if (settings_.consented) settings_.consented(visit_.number(), std::string(note));
         break;
       case PageAction::erase:
@@ -271,6 +304,7 @@ ReportedFacts LivePage::reported(std::uint64_t visit) {
 }
 
 void LivePage::tick() {
+  bool statistics_failed = false;
   for (int ticks = 0;; ++ticks) {
     std::uint64_t over = 0;  // the visit that time has ended
     {
@@ -285,6 +319,9 @@ void LivePage::tick() {
       }
     }
     if (over != 0) (void)delete_recording(over, false);
+    if (statistics_ && ticks % kTicksPerBeat == 0)
+      if (const auto written = statistics_->flush(); !written && !std::exchange(statistics_failed, true))
+        print_error(written.error().message + "; visits are counted on and written when that works");
     std::this_thread::sleep_for(kTickPeriod);
   }
 }
@@ -313,6 +350,7 @@ void LivePage::see(const FrameSeen& frame) {
     if (frame.result.user != 0) visit_.person_in_view(Clock::now());
     if (!is_current()) return;  // of the visit before
     visit = visit_.number();
+    count_guidance(frame.result.guidance);
   }
   if (desk_) {
     desk_->see(visit, frame);
@@ -400,6 +438,10 @@ bool LivePage::publish_of_visit(const std::string& kind, const Json& event, std:
     } else {
       if (!visit_.measured(Clock::now())) return false;
       follows_ = corrects_ = true;
+      if (std::exchange(counts_, false)) {
+        const Json& result = event["result"];
+        statistics_->measured(local_day(), result.contains("size") ? result["size"].value("best", "") : "");
+      }
     }
     folder_ = event.value("out", std::string());
     board_.put("/result.json", {"application/json", event["result"].dump(2) + "\n"});

@@ -3,6 +3,7 @@
 // Each visit belongs to one person: no frame is used before consent, and a result goes for every client at once.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -23,6 +24,7 @@
 #include "apps/kiosk/operator_desk.h"
 #include "apps/kiosk/page_server.h"
 #include "apps/kiosk/shop_file.h"
+#include "apps/kiosk/statistics.h"
 #include "apps/kiosk/visit.h"
 #include "engine/engine.h"
 
@@ -41,6 +43,7 @@ struct LivePageSettings {
   std::optional<OperatorSettings> desk;  // the operator's part of the page; nullopt: none
   std::string operator_password;         // needed with `desk`
   std::optional<Shop> shop;              // whose page it is; none: nobody is named
+  std::string statistics_path;           // file of statistics.h; "": nothing is counted
   // Where phones take results that the page hands over, and nothing else; none: it hands none over.
   std::optional<PageAddress> hand_over;
   std::chrono::milliseconds hand_over_max = kHandOverMax;
@@ -49,7 +52,7 @@ struct LivePageSettings {
 // `see` on the engine's thread, the rest on one other. Nothing is drawn while no browser watches.
 class LivePage {
  public:
-  // Errors: as PageServer::open().
+  // Errors: as PageServer::open(), Statistics::open().
   static Result<std::unique_ptr<LivePage>> open(const LivePageSettings& settings);
   ~LivePage();
   LivePage(const LivePage&) = delete;
@@ -103,6 +106,9 @@ class LivePage {
   bool publish_of_visit(const std::string& kind, const Json& event, std::string line);
   bool is_current() const { return permitted_ == visit_.number(); }
 
+  // Of the visit that goes on, for the statistics.
+  void count_guidance(GuidanceSet guidance);
+  void count_end();
   void draw(const FrameSeen& frame);
   void move(const FrameSeen& frame);
 
@@ -122,10 +128,13 @@ class LivePage {
   std::chrono::steady_clock::time_point drawn_{};
   std::uint64_t pictures_ = 0;
   bool ending_ = false;
-  Customer customer_;                     // the next measured person to try on clothes
-  std::unique_ptr<FittingRoom> fitting_;  // null: nothing is tried on
-  std::unique_ptr<OperatorDesk> desk_;    // null: no operator
-  std::uint64_t desk_visit_ = 0;          // the last visit that the operator began
+  bool counts_ = false;                                    // a customer's visit goes on that has no answer yet
+  std::array<std::uint64_t, kGuidanceCount> kept_from_{};  // its frames by guidance
+  Customer customer_;                                      // the next measured person to try on clothes
+  std::unique_ptr<FittingRoom> fitting_;                   // null: nothing is tried on
+  std::unique_ptr<Statistics> statistics_;                 // null: nothing is counted
+  std::unique_ptr<OperatorDesk> desk_;                     // null: no operator
+  std::uint64_t desk_visit_ = 0;                           // the last visit that the operator began
   std::thread keeper_;
   HandOver hand_over_;
   Board phone_board_;  // nothing stands on it

@@ -57,8 +57,8 @@ Json listed_json(const sessions::Listed& one) {
 
 }  // namespace
 
-OperatorDesk::OperatorDesk(OperatorSettings settings, std::optional<Shop> shop)
-    : settings_(std::move(settings)), shop_(std::move(shop)) {
+OperatorDesk::OperatorDesk(OperatorSettings settings, std::optional<Shop> shop, const Statistics* statistics)
+    : settings_(std::move(settings)), shop_(std::move(shop)), statistics_(statistics) {
   sessions::sweep(settings_.root);
 }
 
@@ -175,12 +175,18 @@ PageAnswer OperatorDesk::get(const PageRequest& request) {
     return record ? json_answer(*parse_json<Json>(record->document, id)) : failed(record.error());
   }
   if (request.path == "/operator/picture") return picture(id, field_of(request, "number"));
+  if (request.path == "/operator/statistics.csv")
+    return {200,
+            std::make_shared<const PageFile>(
+                PageFile{"text/csv; charset=utf-8", statistics_ == nullptr ? "" : statistics_->csv()}),
+            ""};
   if (request.path == "/operator/form") {
     Json tape = Json::array();
     for (const auto& [name, names] : settings_.tape) tape.push_back({{"id", name}, {"names", names}});
     return json_answer({{"site", settings_.site},
                         {"root", settings_.root},
                         {"tape", tape},
+                        {"counts", statistics_ != nullptr},
                         {"shop", shop_ ? shop_json(*shop_) : Json()}});
   }
   return said(404, "not found");

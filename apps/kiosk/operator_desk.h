@@ -21,6 +21,7 @@
 #include "apps/common/operator_region.h"
 #include "apps/kiosk/page_server.h"
 #include "apps/kiosk/shop_file.h"
+#include "apps/kiosk/statistics.h"
 #include "apps/kiosk/visit_recorder.h"
 #include "hal/depth_diagnosis.h"
 
@@ -52,8 +53,9 @@ struct OperatorSettings {
 
 class OperatorDesk {
  public:
-  // `shop` is named in the consent.
-  explicit OperatorDesk(OperatorSettings settings, std::optional<Shop> shop = std::nullopt);
+  // `shop` is named in the consent; `statistics` must outlive this, null: nothing is counted.
+  explicit OperatorDesk(OperatorSettings settings, std::optional<Shop> shop = std::nullopt,
+                        const Statistics* statistics = nullptr);
   ~OperatorDesk();
   OperatorDesk(const OperatorDesk&) = delete;
   OperatorDesk& operator=(const OperatorDesk&) = delete;
@@ -109,6 +111,7 @@ class OperatorDesk {
 
   const OperatorSettings settings_;
   const std::optional<Shop> shop_;
+  const Statistics* const statistics_;
   BeginVisit begin_visit_;
   EndVisit end_visit_;
   mutable std::mutex mutex_;  // of all below

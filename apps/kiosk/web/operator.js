@@ -67,6 +67,7 @@ function showTexts() {
   showTape();
   showState();
   showSessions();
+  showStatistics();
 }
 const nameOf = (entry) => entry.names[words.language] || entry.names.en || entry.id;
 function showTape() {
@@ -312,6 +313,47 @@ async function replay(id) {
   }
 }
 
+// --- statistics: counts of all people together; a day's visits, a month's sizes and reasons
+const kDaysShown = 14, kStatisticsMs = 10000;
+let statistics = null;  // rows of period, what, name, count; null: nothing is counted
+async function loadStatistics() {
+  if (!token) return;
+  try {
+    const lines = (await (await get('/operator/statistics.csv')).text()).trim().split('\n').slice(1);
+    statistics = form.counts ? lines.map((line) => line.split(',')) : null;
+  } catch (error) {
+    return;
+  }
+  showStatistics();
+}
+function showStatistics() {
+  if (!words.table) return;
+  const rows = statistics || [], month = rows.map(([period]) => period.slice(0, 7)).sort().pop() || '';
+  at('statistics-note').textContent = !form.counts ? of('statistics.off') : rows.length ? '' : of('statistics.none');
+  at('export').hidden = !form.counts;
+  const reason = (code) => (code === 'LEFT' ? of('statistics.left') : words.say(code) || code);
+  for (const [id, key, what, name] of [['statistics-sizes', 'sizes', 'size', (size) => size],
+    ['statistics-reasons', 'reasons', 'not_measured', reason]]) {
+    const found = rows.filter((row) => row[0] === month && row[1] === what).sort((a, b) => b[3] - a[3]);
+    const list = found.map((row) => `${name(row[2])} ${words.number(Number(row[3]), 0)}`).join(' · ');
+    at(id).textContent = list ? of(`statistics.${key}`).replace('{month}', month).replace('{list}', () => list) : '';
+  }
+  const days = [...new Set(rows.filter((row) => row[1] === 'visits').map((row) => row[0]))].sort().reverse();
+  at('days').hidden = days.length === 0;
+  at('days').tBodies[0].replaceChildren(...days.slice(0, kDaysShown).map((day) => {
+    const line = document.createElement('tr'), head = document.createElement('th');
+    head.scope = 'row';
+    head.textContent = day;
+    line.append(head);
+    for (const what of ['visits', 'measured']) {
+      const row = rows.find((one) => one[0] === day && one[1] === what);
+      line.insertCell().textContent = words.number(row ? Number(row[3]) : 0, 0);
+    }
+    return line;
+  }));
+}
+setInterval(loadStatistics, kStatisticsMs);
+
 // --- live depth and joints, from the stream all pages have
 function showConfidence(percent) {
   at('joints').tBodies[0].replaceChildren(...joints.map((name, i) => {
@@ -380,6 +422,7 @@ function signedOut() {
   regionShown = null;
   ++replaying;  // ends a replay
   sessions = [];
+  statistics = null;
   state = {phase: 'IDLE', ready: false};
   clearForm();
   at('again').hidden = at('comparison').hidden = true;
@@ -393,6 +436,7 @@ async function enter() {
   at('trouble').textContent = '';
   showTexts();
   await loadSessions();
+  await loadStatistics();
   await poll();
 }
 at('sign-in').addEventListener('submit', async (event) => {

@@ -108,7 +108,8 @@ function showTexts() {
   }
   showBrand();
   at('consent-title').textContent = words.table.consent.title;
-  const points = [...words.table.consent.points, ...words.shopPoints(hello.shop), words.table.consent[hello.keeps_files ? 'files' : 'no_files']];
+  const points = [...words.table.consent.points, ...words.shopPoints(hello.shop), words.table.consent[hello.keeps_files ? 'files' : 'no_files'],
+    ...(hello.counts ? [words.table.consent.counted] : [])];
   at('consent-points').replaceChildren(...listItems(points));
   at('sight').setAttribute('aria-label', page.sight);
   at('canvas').setAttribute('aria-label', page.body);

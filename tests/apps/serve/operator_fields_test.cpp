@@ -31,12 +31,13 @@ class OperatorFields : public testing::Test {
     browser_->resize(1280, 800);
   }
   // Signed in, with a camera.
-  void open(const std::string& region = "", const std::string& language = "en") {
+  void open(const std::string& region = "", const std::string& language = "en", const std::string& statistics = "") {
     page_.reset();
     apps::LivePageSettings settings;
     settings.desk.emplace();
     settings.desk->root = folder_.path("sessions");
     settings.desk->settings.region = region;
+    settings.statistics_path = statistics;
     page_ = std::make_unique<test::ShownPage>(settings);
     page_->page().use_source({}, {}, diagnose_);
     browser_->go(page_->url() + "/operator?lang=" + language);
@@ -83,6 +84,81 @@ TEST_F(OperatorFields, ARegionIsSetInMetresAndNonsenseIsNamed) {
   EXPECT_TRUE(now_says("Gemessen wird überall."));
   EXPECT_FALSE(page_->page().region().region);
   EXPECT_EQ(browser_->run("return failures"), Json::array());
+}
+
+// The whole way: visits that end in each manner, the file, and the operator's page.
+TEST_F(OperatorFields, VisitsAreCountedWithoutPersons) {
+  const std::string path = folder_.path("visits.csv");
+  ASSERT_NO_FATAL_FAILURE(open("", "en", path));
+  EXPECT_EQ(browser_->run("return at('statistics-note').textContent"), "No visits yet");
+  const auto agree = [&] { ASSERT_EQ(page_->post("/consent", page_->visit()), 200); };
+  const auto see = [&](GuidanceSet guidance) {
+    std::vector<std::uint16_t> pixels(64 * 48, 2000);
+    page_->begin_person();
+    EngineResult result;
+    result.guidance = guidance;
+    page_->page().see({DepthView(pixels.data(), 64, 48), {}, {}, {}, result});
+  };
+  agree();
+  see(static_cast<GuidanceSet>(Guidance::moving));
+  page_->measured(987);
+  page_->measured(990, "", nullptr, true);  // a corrected fact is no other person
+  EXPECT_EQ(page_->post("/delete", page_->visit()), 200);
+  agree();
+  for (int i = 0; i < 3; ++i) see(static_cast<GuidanceSet>(Guidance::no_person));
+  for (int i = 0; i < 2; ++i) see(static_cast<GuidanceSet>(Guidance::moving));
+  see(static_cast<GuidanceSet>(Guidance::too_near));
+  EXPECT_EQ(page_->post("/delete", page_->visit()), 200);
+  agree();
+  see(static_cast<GuidanceSet>(Guidance::no_person));
+  EXPECT_EQ(page_->post("/delete", page_->visit()), 200);
+  EXPECT_EQ(page_->post("/delete", page_->visit()), 200) << "nobody had agreed";
+  // One that the operator records is no customer's.
+  ASSERT_EQ(page_->post_operator("/operator/begin", {{"language", "en"}, {"version", "1"}}).first, 200);
+  page_->measured(987);
+  ASSERT_EQ(page_->post_operator("/operator/discard", Json::object()).first, 200);
+  const std::string day = apps::local_day(), month = day.substr(0, 7);
+  const std::string expected = "period,what,name,count\n" + month + ",not_measured,LEFT,1\n" + month +
+                               ",not_measured,MOVING,1\n" + month + ",size,M,1\n" + day + ",measured,,1\n" + day +
+                               ",visits,,3\n";
+  EXPECT_EQ(page_->operator_client().Get("/operator/statistics.csv")->body, expected);
+  EXPECT_EQ(page_->status_of("/operator/statistics.csv"), 401) << "for the operator alone";
+  browser_->run("loadStatistics()");
+  EXPECT_TRUE(browser_->wait_for("return at('days').tBodies[0].innerText.replace(/\\s+/g, ' ').trim() === '" + day +
+                                 " 3 1'"));
+  EXPECT_EQ(browser_->run("return at('statistics-sizes').textContent"), "Sizes, " + month + ": M 1");
+  EXPECT_EQ(browser_->run("return at('statistics-reasons').textContent"),
+            "Not measured, " + month + ": left early 1 · Stand still 1");
+  EXPECT_EQ(browser_->run("return [at('export').hidden, at('export').getAttribute('href')]"),
+            (Json{false, "/operator/statistics.csv"}));
+  for (const auto& [width, height] : {std::pair{390, 3000}, {1280, 1900}}) {
+    browser_->resize(width, height);
+    EXPECT_LE(browser_->run("return document.documentElement.scrollWidth").get<int>(), width);
+    if (const char* kept = std::getenv("IM2FIT_SCREENSHOTS"))
+      test::write_text(std::string(kept) + "/statistics-" + std::to_string(width) + ".png", browser_->screenshot());
+  }
+  if (const std::string axe = test::axe_script(); !axe.empty()) {
+    EXPECT_EQ(test::axe_violations(*browser_, axe), Json::array());
+  }
+  EXPECT_EQ(browser_->run("return failures"), Json::array());
+  page_.reset();
+  EXPECT_EQ(test::read_text(path), expected);
+  // The next run goes on, and the customer is told that counts remain.
+  ASSERT_NO_FATAL_FAILURE(open("", "de", path));
+  EXPECT_THAT(browser_->run("return at('statistics-reasons').textContent").get<std::string>(),
+              testing::HasSubstr("früh gegangen 1"));
+  browser_->go(page_->url() + "/?lang=en");
+  EXPECT_TRUE(
+      browser_->wait_for("return typeof words !== 'undefined' && !!words.table && "
+                         "at('consent-points').innerText.includes('Only counts remain')"));
+  ASSERT_NO_FATAL_FAILURE(open());
+  EXPECT_THAT(browser_->run("return at('statistics-note').textContent").get<std::string>(),
+              testing::HasSubstr("--statistics FILE"));
+  browser_->go(page_->url() + "/?lang=en");
+  EXPECT_TRUE(
+      browser_->wait_for("return typeof words !== 'undefined' && !!words.table && "
+                         "at('consent-points').innerText.length > 100"));
+  EXPECT_EQ(browser_->run("return at('consent-points').innerText.includes('Only counts remain')"), false);
 }
 
 TEST_F(OperatorFields, TheCommandLinesRegionIsShown) {
