@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/kiosk/kept_regions.h"
 
-#include <nlohmann/json.hpp>
-
+#include "apps/common/events.h"
 #include "apps/common/measuring.h"
 #include "apps/sessions/store.h"
 #include "core/file.h"
@@ -12,25 +11,26 @@
 namespace im2fit::apps {
 namespace {
 
-using Json = nlohmann::ordered_json;
-constexpr char kSchema[] = "im2fit.regions/1";
+constexpr char kRegionsSchema[] = "im2fit.regions/1";
 
-std::string file_of(const std::string& root) {
+std::string regions_file(const std::string& root) {
   return root + "/" + kKeptRegionsFile;
 }
 
 Result<Json> read_regions(const std::string& path) {
   auto json = read_json<Json>(path, kTextBytesMax);
   if (!json) return json;
-  if (!json->is_object() || json->value("schema", Json()) != kSchema || !json->value("cameras", Json()).is_object())
-    return Error{ErrorCode::corrupt, path + ": expected an object with schema \"" + kSchema + "\" and cameras"};
+  if (!json->is_object() || json->value("schema", Json()) != kRegionsSchema ||
+      !json->value("cameras", Json()).is_object())
+    return Error{ErrorCode::corrupt,
+                 path + ": expected an object with schema \"" + kRegionsSchema + "\" and cameras"};
   return json;
 }
 
 }  // namespace
 
 Result<std::string> kept_region(const std::string& root, const std::string& camera) {
-  const std::string path = file_of(root);
+  const std::string path = regions_file(root);
   const auto json = read_regions(path);
   if (!json && json.error().code == ErrorCode::not_found) return std::string();
   if (!json) return json.error();
@@ -43,13 +43,13 @@ Result<std::string> kept_region(const std::string& root, const std::string& came
 
 Status keep_region(const std::string& root, const std::string& camera, const std::string& region) {
   if (auto made = sessions::make_root(root); !made) return made;
-  auto json = read_regions(file_of(root));
-  Json all = json ? std::move(*json) : Json{{"schema", kSchema}, {"cameras", Json::object()}};
+  auto json = read_regions(regions_file(root));
+  Json all = json ? std::move(*json) : Json{{"schema", kRegionsSchema}, {"cameras", Json::object()}};
   if (region.empty())
     all["cameras"].erase(camera);
   else
     all["cameras"][camera] = region;
-  return write_file_atomically(file_of(root), json_text(all, 2) + "\n", Readable::by_owner);
+  return write_file_atomically(regions_file(root), json_text(all, 2) + "\n", Readable::by_owner);
 }
 
 }  // namespace im2fit::apps

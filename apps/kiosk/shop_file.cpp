@@ -16,7 +16,7 @@
 namespace im2fit::apps {
 namespace {
 
-constexpr char kSchema[] = "im2fit.shop/1";
+constexpr char kShopSchema[] = "im2fit.shop/1";
 constexpr std::array kSchemes = {"light", "dark"};
 constexpr std::array<std::string_view, 5> kLanguages = {"en", "de", "es", "fr", "zh"};
 constexpr std::size_t kNameMax = 40, kLineMax = 160, kVersionMax = 16;  // characters
@@ -32,7 +32,7 @@ class ShopReader {
   Result<Shop> read(const Json& json) {
     Shop shop;
     if (!keys(json, "", {"schema", "name", "logo", "colours", "consent"})) return Error{ErrorCode::corrupt, fault_};
-    if (json.value("schema", Json()) != kSchema) wrong("schema", fmt::format("expected \"{}\"", kSchema));
+    if (json.value("schema", Json()) != kShopSchema) wrong("schema", fmt::format("expected \"{}\"", kShopSchema));
     shop.name = line(json, "", "name", kNameMax);
     if (json.contains("logo")) shop.logo = logo(line(json, "", "logo", kLineMax));
     if (json.contains("colours")) colours(json["colours"], shop);
