@@ -51,7 +51,9 @@ class LiveRun {
 
   // What the person reports, before and after the answer; between frames, and while none are taken.
   void attend() {
-    if (listener_ == nullptr || permit_ == 0) return;
+    if (listener_ == nullptr) return;
+    use_region();
+    if (permit_ == 0) return;
     const ReportedFacts now = listener_->reported(permit_);
     if (now.count == reported_facts_.count) return;
     reported_facts_ = now;
@@ -104,6 +106,14 @@ class LiveRun {
     reported_facts_ = {};
     if (listener_ != nullptr) listener_->begin_person(permit_);
     attend();
+  }
+
+  // As the operator's page has it, before the next frame.
+  void use_region() {
+    const OperatorRegion now = listener_->region();
+    if (now.count == region_count_) return;
+    region_count_ = now.count;
+    if (auto taken = outcome_.engine->set_region(now.region); !taken) error_ = taken.error();
   }
 
   void use_facts(const KnownFacts& facts) {
@@ -241,6 +251,7 @@ class LiveRun {
   std::uint32_t session_ = 0;
   bool reported_ = false;
   ReportedFacts reported_facts_;               // of the person with permit_
+  std::uint32_t region_count_ = 0;             // of the region that the engine has
   std::optional<EngineResult> unconditioned_;  // the reported answer without the facts; none: no answer yet
   bool state_known_ = false;
   ShownState state_;

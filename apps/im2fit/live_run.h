@@ -6,6 +6,7 @@
 
 #include "apps/common/cli.h"
 #include "apps/common/events.h"
+#include "apps/common/operator_region.h"
 #include "apps/common/reported_facts.h"
 #include "apps/im2fit/preview_renderer.h"
 #include "apps/im2fit/session.h"
@@ -37,6 +38,8 @@ class LiveListener {
   // The facts that the person of this number reported last. They change the answer, also after it was given. `count`
   // differs after each report; it is 0 without facts and after the person's visit. Called often, on the run's thread.
   virtual ReportedFacts reported(std::uint64_t /*permit*/) { return {}; }
+  // Where people are to be measured from now on, in place of the options' region. Called often, on the run's thread.
+  virtual OperatorRegion region() { return {}; }
   virtual void see(const FrameSeen& frame) = 0;                // on the engine's thread
   virtual void publish(const Json& event) = 0;                 // apps/common/events.h
   virtual Status measured(const SessionOutcome& session) = 0;  // a person, or a corrected one; before the event

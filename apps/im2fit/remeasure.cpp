@@ -27,6 +27,7 @@ Result<Remeasured> remeasure(const RemeasureOptions& given) {
   if (!settings.calibration.empty()) options.calibration = settings.calibration;
   if (!settings.clothing.empty()) options.clothing = settings.clothing;
   if (!settings.sensor.empty()) options.sensor = settings.sensor;
+  options.region = settings.region;
   // As the camera's driver reported it; a folder reports nothing.
   if (options.sensor == "auto" && !record->camera.kind.empty()) options.sensor = record->camera.kind;
   auto outcome = run_session(options, nullptr);

@@ -16,6 +16,7 @@
 #include "apps/kiosk/operator_gate.h"
 #include "apps/kiosk/web_server_library.h"
 #include "apps/sessions/store.h"
+#include "engine/diagnosis.h"
 #include "person/tape_file.h"
 
 namespace im2fit::apps {
@@ -32,7 +33,9 @@ struct ServeOptions {
   bool wait = false;
   bool desk = false;  // the operator's part of the page
   std::string password_file, sessions = sessions::default_root(), site;
-  std::string phones;  // address where phones take results; "": they do not
+  std::string shop;        // file of apps/kiosk/shop_file.h; "": none
+  std::string statistics;  // file; "": none
+  std::string phones;      // address where phones take results; "": they do not
   int phones_port = 8018;
 };
 
@@ -52,7 +55,13 @@ class PageListener final : public LiveListener {
   PageListener(LivePage& page, const ServeOptions& options)
       : page_(page), options_(options), frames_wanted_(options.live.session.frames) {}
   void begin(const SessionOutcome& session) override {
-    if (options_.desk) page_.use_source(session.input.source->info(), versions_of(options_.live.session));
+    if (options_.desk) {
+      const hal::SourceInfo& source = session.input.source->info();
+      page_.use_source(source, versions_of(options_.live.session),
+                       [&session, intrinsics = source.intrinsics](DepthView depth) {
+                         return diagnose(depth, intrinsics, &session.data.tracker->model());
+                       });
+    }
     page_.begin(session.input.source->info().intrinsics, frames_wanted_);
     page_.trouble("");
     invite();
@@ -68,6 +77,7 @@ class PageListener final : public LiveListener {
   std::uint64_t permit() override { return page_.permit(); }
   void begin_person(std::uint64_t permit) override { page_.begin_person(permit); }
   ReportedFacts reported(std::uint64_t permit) override { return page_.reported(permit); }
+  OperatorRegion region() override { return page_.region(); }
   void see(const FrameSeen& frame) override { page_.see(frame); }
   void publish(const Json& event) override { page_.publish(event); }
   Status measured(const SessionOutcome& session) override {
@@ -129,7 +139,8 @@ Result<OperatorSettings> operator_settings(const ServeOptions& options) {
   desk.root = options.sessions;
   desk.site = options.site;
   const SessionOptions& session = options.live.session;
-  desk.settings = {session.frames, session.turn, session.calibration, session.clothing, session.sensor};
+  desk.settings = {session.frames,   session.turn,   session.calibration,
+                   session.clothing, session.sensor, session.region};
   const auto tape = load_tapes(session.tapes);
   if (!tape) return tape.error();
   for (const body::TapeDefinition& d : tape->definitions) {
@@ -197,13 +208,21 @@ Result<int> run_serve(const ServeOptions& options) {
   if (const auto checked = check_facts(options); !checked) return checked.error();
   if (const auto checked = check_operator(options); !checked) return checked.error();
   if (const auto checked = check_hand_over(options); !checked) return checked.error();
+  if (options.no_consent && !options.statistics.empty())
+    return Error{ErrorCode::invalid_argument,
+                 "--statistics counts visits, which begin with consent; leave --no-consent out"};
   if (!options.no_consent && !options.live.session.motion.empty())
     return Error{
         ErrorCode::invalid_argument,
         "--motion writes the movements of all people into one file, from which no one can be deleted; it needs "
         "--no-consent"};
-  catch_interrupt();
   LivePageSettings settings;
+  if (!options.shop.empty()) {
+    auto shop = read_shop(options.shop);
+    if (!shop) return shop.error();
+    settings.shop = std::move(*shop);
+  }
+  catch_interrupt();
   settings.address = options.address;
   settings.body_path = options.live.session.input.body;
   settings.visit.ask = !options.no_consent;
@@ -213,6 +232,7 @@ Result<int> run_serve(const ServeOptions& options) {
     print_error(fmt::format("visit {}: consent to text {}", visit, text.empty() ? "unknown" : text));
   };
   settings.erase_folder = erase_outputs;
+  settings.statistics_path = options.statistics;
   if (!options.phones.empty())
     settings.hand_over = {options.phones, options.phones_port, "--hand-over-port or --hand-over"};
   if (options.desk) {
@@ -261,6 +281,15 @@ void add_serve(cli::App& app, Command& chosen) {
       ->type_name("DIR")
       ->capture_default_str();
   sub->add_option("--site", options->site, "Name of this place, proposed in the operator's form")->type_name("NAME");
+  sub->add_option(
+         "--shop", options->shop,
+         "JSON file with the shop's name, logo and colours, and with the operator, purpose and contact that the "
+         "consent names; see docs/page.md")
+      ->type_name("FILE");
+  sub->add_option("--statistics", options->statistics,
+                  "CSV file that counts visits, sizes and why people were not measured, of all people together; see "
+                  "docs/page.md")
+      ->type_name("FILE");
   sub->add_option(
          "--hand-over", options->phones,
          "Let people fetch their result once, by a QR code: this machine's address in the network of the phones; "

@@ -18,9 +18,13 @@ namespace {
 constexpr float kEaseMapTightStrain = 0.08F;  // jersey is cut to be worn at less
 constexpr float kEaseMapLooseMm = 40;
 using Colour = std::array<float, 3>;
-constexpr Colour kTight = {0.75F, 0.05F, 0.04F}, kGood = {0.12F, 0.50F, 0.16F}, kLoose = {0.05F, 0.18F, 0.70F};
+// One hue from dark to light, linear, and none of the verdicts' colours: nothing on a person's body is a warning.
+// web/tryon.css has them in sRGB.
+constexpr Colour kTight = {0.105F, 0.023F, 0.156F}, kGood = {0.451F, 0.283F, 0.552F},
+                 kLoose = {0.880F, 0.831F, 0.905F};
 constexpr float kLyingMm = 10;  // off the skin: what lies on it has its own thickness and small folds
-constexpr int kSmoothPasses = 4;
+// About 80 mm: cloth is stretched most at a point, as over a breast, and what a size does is told by the region.
+constexpr int kSmoothPasses = 60;
 
 Colour mixed(const Colour& a, const Colour& b, float share) {
   Colour c{};
@@ -28,8 +32,8 @@ Colour mixed(const Colour& a, const Colour& b, float share) {
   return c;
 }
 
-// A linear colour a vertex of the garment: red where cloth is stretched by kEaseMapTightStrain or more, green where
-// it lies on the body unstretched, blue where it stands kEaseMapLooseMm or more off the skin.
+// A linear colour a vertex of the garment: dark where the cloth around is stretched by kEaseMapTightStrain or more,
+// between where it lies on the body unstretched, light where it stands kEaseMapLooseMm or more off the skin.
 std::vector<Colour> ease_map(const body::Outfit& outfit, std::size_t index) {
   const body::Cloth& cloth = outfit.cloth(index);
   const auto& constraints = cloth.constraints();

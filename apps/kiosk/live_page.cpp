@@ -2,11 +2,13 @@
 #include "apps/kiosk/live_page.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
 #include <vector>
 
 #include "apps/common/facts_form.h"
+#include "apps/common/program.h"
 #include "apps/kiosk/hand_over.h"
 #include "apps/kiosk/small_picture.h"
 #include "formats/json_file.h"
@@ -50,6 +52,13 @@ LivePage::LivePage(const LivePageSettings& settings)
 Result<std::unique_ptr<LivePage>> LivePage::open(const LivePageSettings& settings) {
   std::unique_ptr<LivePage> page(new LivePage(settings));
   LivePage& self = *page;
+  if (!settings.statistics_path.empty()) {
+    auto statistics = Statistics::open(settings.statistics_path);
+    if (!statistics) return statistics.error();
+    self.statistics_ = std::move(*statistics);
+  }
+  self.board_.put("/shop.css", {"text/css; charset=utf-8", settings.shop ? shop_css(*settings.shop) : ""});
+  if (settings.shop && !settings.shop->logo.empty()) self.board_.put("/shop.png", {"image/png", settings.shop->logo});
   self.begin({}, 0);
   self.publish_visit();
   PageHandlers handlers;
@@ -69,7 +78,7 @@ Result<std::unique_ptr<LivePage>> LivePage::open(const LivePageSettings& setting
     handlers.cloth = [&self](auto fields) { return self.fitting_->ask_cloth(fields); };
   }
   if (settings.desk) {
-    self.desk_ = std::make_unique<OperatorDesk>(*settings.desk);
+    self.desk_ = std::make_unique<OperatorDesk>(*settings.desk, settings.shop, self.statistics_.get());
     self.desk_->use_visits([&self](const auto& begun) { return self.begin_recorded_visit(begun); },
                            [&self](std::uint64_t visit) { self.end_recorded_visit(visit); });
     handlers.operate = [&self](const PageRequest& request) { return self.desk_->answer(request); };
@@ -98,6 +107,10 @@ LivePage::~LivePage() {
     ending_ = true;
   }
   if (keeper_.joinable()) keeper_.join();
+  if (!statistics_) return;
+  const std::lock_guard lock(visit_mutex_);
+  count_end();
+  if (const auto written = statistics_->flush(); !written) print_error(written.error().message);
 }
 
 void LivePage::begin(const Intrinsics& intrinsics, int frames_wanted) {
@@ -114,11 +127,13 @@ void LivePage::begin(const Intrinsics& intrinsics, int frames_wanted) {
                                {"asks", settings_.visit.ask},
                                {"asks_facts", settings_.visit.ask_facts},
                                {"keeps_files", settings_.keeps_files},
+                               {"counts", statistics_ != nullptr},
                                {"hands_over", settings_.hand_over.has_value()},
                                {"frames_wanted", frames_wanted},
                                {"joints", kJointNames},
                                {"bones", bones},
-                               {"segments", body::kSegmentNames}}
+                               {"segments", body::kSegmentNames},
+                               {"shop", settings_.shop ? shop_json(*settings_.shop) : Json()}}
                               .dump());
 }
 
@@ -151,7 +166,7 @@ bool LivePage::begin_recorded_visit(const std::function<void(std::uint64_t visit
   if (visit_.state() != VisitState::asking) {
     if (visit_.number() != desk_visit_) return false;  // a customer's
     visit_.next(now);
-    (void)forget(desk_visit_, false);
+    forget();  // its recording is saved or discarded: the desk would not begin another
   }
   if (!visit_.consent(visit_.id(), now)) return false;
   visit_.facts_done(now);  // the tape is compared with what the camera measured, without them
@@ -162,14 +177,36 @@ bool LivePage::begin_recorded_visit(const std::function<void(std::uint64_t visit
 }
 
 void LivePage::end_recorded_visit(std::uint64_t visit) {
-  const std::lock_guard lock(visit_mutex_);
-  if (visit_.number() != visit || visit_.state() == VisitState::asking) return;
-  visit_.next(Clock::now());
-  (void)forget(visit, true);
+  {
+    const std::lock_guard lock(visit_mutex_);
+    if (visit_.number() != visit || visit_.state() == VisitState::asking) return;
+    visit_.next(Clock::now());
+    forget();
+  }
+  (void)delete_recording(visit, true);
 }
 
-Status LivePage::forget(std::uint64_t over, bool erased) {
-  auto gone = desk_ ? desk_->visit_over(over, erased) : Status(Ok{});
+Status LivePage::delete_recording(std::uint64_t visit, bool erased) {
+  return desk_ ? desk_->visit_over(visit, erased) : Status(Ok{});
+}
+
+void LivePage::count_guidance(GuidanceSet guidance) {
+  if (!counts_) return;
+  for (std::size_t i = 0; i < kGuidanceCount; ++i) kept_from_[i] += guidance >> i & 1U;
+}
+
+// Without an answer: what most frames asked for, but that somebody be there, which all ask for once they have left.
+void LivePage::count_end() {
+  if (!std::exchange(counts_, false)) return;
+  constexpr auto kNobody = static_cast<std::size_t>(std::countr_zero(static_cast<GuidanceSet>(Guidance::no_person)));
+  kept_from_[kNobody] = 0;
+  const auto most = std::max_element(kept_from_.begin(), kept_from_.end());
+  const auto code = kGuidanceNames[static_cast<std::size_t>(most - kept_from_.begin())];
+  statistics_->not_measured(local_day(), *most == 0 ? "LEFT" : std::string(code));
+}
+
+void LivePage::forget() {
+  count_end();
   // Files first: who hears of the new visit finds nothing of the one before.
   board_.withdraw({"state", "frame", "picture", "measured", "tryon", "cloth", "left"},
                   {"/result.json", "/avatar.glb", "/picture.png"});
@@ -180,13 +217,12 @@ Status LivePage::forget(std::uint64_t over, bool erased) {
   folder_.clear();
   reported_ = {};
   publish_visit();
-  return gone;
 }
 
 PageAnswer LivePage::act(PageAction action, std::string_view visit, std::string_view note) {
   const PageAnswer over{409, nullptr, "that visit is over"};
   std::string folder;
-  Status gone = Ok{};
+  std::uint64_t erased = 0;  // the visit
   {
     const std::lock_guard lock(visit_mutex_);
     const auto now = Clock::now();
@@ -199,16 +235,23 @@ PageAnswer LivePage::act(PageAction action, std::string_view visit, std::string_
       case PageAction::consent:
         if (!visit_.consent(visit, now)) return over;
         publish_visit();
+        if (statistics_) {
+          statistics_->visit(local_day());
+          counts_ = true;
+          kept_from_ = {};
+        }
         if (settings_.consented) settings_.consented(visit_.number(), std::string(note));
         break;
       case PageAction::erase:
         folder = folder_;
         if (!visit_.erase(visit, now)) return over;
-        gone = forget(number, true);
+        erased = number;
+        forget();
         break;
     }
   }
   if (!folder.empty() && settings_.erase_folder) settings_.erase_folder(folder);
+  const Status gone = erased != 0 ? delete_recording(erased, true) : Status(Ok{});
   if (!gone) return {500, nullptr, "the recording was not deleted: " + gone.error().message};
   return {200, nullptr, "done"};
 }
@@ -261,16 +304,24 @@ ReportedFacts LivePage::reported(std::uint64_t visit) {
 }
 
 void LivePage::tick() {
+  bool statistics_failed = false;
   for (int ticks = 0;; ++ticks) {
+    std::uint64_t over = 0;  // the visit that time has ended
     {
       const std::lock_guard lock(visit_mutex_);
       if (ending_) return;
       const std::uint64_t number = visit_.number();
-      if (visit_.tick(Clock::now()))
-        (void)forget(number, false);
-      else if (ticks % kTicksPerBeat == 0)
+      if (visit_.tick(Clock::now())) {
+        over = number;
+        forget();
+      } else if (ticks % kTicksPerBeat == 0) {
         publish_beat();
+      }
     }
+    if (over != 0) (void)delete_recording(over, false);
+    if (statistics_ && ticks % kTicksPerBeat == 0)
+      if (const auto written = statistics_->flush(); !written && !std::exchange(statistics_failed, true))
+        print_error(written.error().message + "; visits are counted on and written when that works");
     std::this_thread::sleep_for(kTickPeriod);
   }
 }
@@ -299,8 +350,12 @@ void LivePage::see(const FrameSeen& frame) {
     if (frame.result.user != 0) visit_.person_in_view(Clock::now());
     if (!is_current()) return;  // of the visit before
     visit = visit_.number();
+    count_guidance(frame.result.guidance);
   }
-  if (desk_) desk_->see(visit, frame);
+  if (desk_) {
+    desk_->see(visit, frame);
+    desk_->look(frame);
+  }
   if (server_->watchers() == 0) return;
   move(frame);
   const auto now = std::chrono::steady_clock::now();
@@ -383,6 +438,10 @@ bool LivePage::publish_of_visit(const std::string& kind, const Json& event, std:
     } else {
       if (!visit_.measured(Clock::now())) return false;
       follows_ = corrects_ = true;
+      if (std::exchange(counts_, false)) {
+        const Json& result = event["result"];
+        statistics_->measured(local_day(), result.contains("size") ? result["size"].value("best", "") : "");
+      }
     }
     folder_ = event.value("out", std::string());
     board_.put("/result.json", {"application/json", event["result"].dump(2) + "\n"});
@@ -397,10 +456,9 @@ bool LivePage::publish_of_visit(const std::string& kind, const Json& event, std:
 }
 
 void LivePage::next_visit() {
-  const std::uint64_t over = visit_.number();
   visit_.next(Clock::now());
   permitted_ = visit_.number();
-  (void)forget(over, false);
+  forget();  // there is no desk without a question
 }
 
 void LivePage::may_try_on(Customer customer) {

@@ -3,6 +3,7 @@
 // Each visit belongs to one person: no frame is used before consent, and a result goes for every client at once.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -22,6 +23,8 @@
 #include "apps/kiosk/hand_over.h"
 #include "apps/kiosk/operator_desk.h"
 #include "apps/kiosk/page_server.h"
+#include "apps/kiosk/shop_file.h"
+#include "apps/kiosk/statistics.h"
 #include "apps/kiosk/visit.h"
 #include "engine/engine.h"
 
@@ -39,6 +42,8 @@ struct LivePageSettings {
   std::function<void(const std::string& folder)> erase_folder;
   std::optional<OperatorSettings> desk;  // the operator's part of the page; nullopt: none
   std::string operator_password;         // needed with `desk`
+  std::optional<Shop> shop;              // whose page it is; none: nobody is named
+  std::string statistics_path;           // file of statistics.h; "": nothing is counted
   // Where phones take results that the page hands over, and nothing else; none: it hands none over.
   std::optional<PageAddress> hand_over;
   std::chrono::milliseconds hand_over_max = kHandOverMax;
@@ -47,7 +52,7 @@ struct LivePageSettings {
 // `see` on the engine's thread, the rest on one other. Nothing is drawn while no browser watches.
 class LivePage {
  public:
-  // Errors: as PageServer::open().
+  // Errors: as PageServer::open(), Statistics::open().
   static Result<std::unique_ptr<LivePage>> open(const LivePageSettings& settings);
   ~LivePage();
   LivePage(const LivePage&) = delete;
@@ -66,9 +71,12 @@ class LivePage {
   void see(const FrameSeen& frame);
   void publish(const Json& event);
   // What the operator's part writes into sessions. Before begin().
-  void use_source(const hal::SourceInfo& source, const sessions::Versions& versions) {
-    if (desk_) desk_->use_source(source, versions);
+  void use_source(const hal::SourceInfo& source, const sessions::Versions& versions,
+                  DiagnosePicture diagnose = nullptr) {
+    if (desk_) desk_->use_source(source, versions, std::move(diagnose));
   }
+  // As the operator set it.
+  OperatorRegion region() const { return desk_ ? desk_->region() : OperatorRegion{}; }
   // What the person of this visit reported last; `count` 0: nothing, or the visit is over.
   ReportedFacts reported(std::uint64_t visit);
   // Before its event, `measured`.
@@ -79,23 +87,28 @@ class LivePage {
  private:
   using Clock = std::chrono::steady_clock;
   explicit LivePage(const LivePageSettings& settings);
-  // These hold visit_mutex_.
+  // These hold visit_mutex_, but not while a recording is deleted: the engine's frames need it, and a disk may be
+  // slow.
   PageAnswer act(PageAction action, std::string_view visit, std::string_view note);
   PageAnswer offer(std::string_view visit);
   PageAnswer take(std::string_view token);
   PageAnswer take_facts(std::string_view visit, std::string_view body);
   void tick();
+  Status delete_recording(std::uint64_t visit, bool erased);  // as OperatorDesk::visit_over; without the lock
   bool begin_recorded_visit(const std::function<void(std::uint64_t visit)>& begun);
   void end_recorded_visit(std::uint64_t visit);
   // These need it held.
   void publish_visit();
   void publish_beat();
-  // The visit of that number: all of it, for every client. Errors: as OperatorDesk::visit_over.
-  Status forget(std::uint64_t over, bool erased);
+  // The visit that is over: all of it that the page has, for every client.
+  void forget();
   void next_visit();
   bool publish_of_visit(const std::string& kind, const Json& event, std::string line);
   bool is_current() const { return permitted_ == visit_.number(); }
 
+  // Of the visit that goes on, for the statistics.
+  void count_guidance(GuidanceSet guidance);
+  void count_end();
   void draw(const FrameSeen& frame);
   void move(const FrameSeen& frame);
 
@@ -115,10 +128,13 @@ class LivePage {
   std::chrono::steady_clock::time_point drawn_{};
   std::uint64_t pictures_ = 0;
   bool ending_ = false;
-  Customer customer_;                     // the next measured person to try on clothes
-  std::unique_ptr<FittingRoom> fitting_;  // null: nothing is tried on
-  std::unique_ptr<OperatorDesk> desk_;    // null: no operator
-  std::uint64_t desk_visit_ = 0;          // the last visit that the operator began
+  bool counts_ = false;                                    // a customer's visit goes on that has no answer yet
+  std::array<std::uint64_t, kGuidanceCount> kept_from_{};  // its frames by guidance
+  Customer customer_;                                      // the next measured person to try on clothes
+  std::unique_ptr<FittingRoom> fitting_;                   // null: nothing is tried on
+  std::unique_ptr<Statistics> statistics_;                 // null: nothing is counted
+  std::unique_ptr<OperatorDesk> desk_;                     // null: no operator
+  std::uint64_t desk_visit_ = 0;                           // the last visit that the operator began
   std::thread keeper_;
   HandOver hand_over_;
   Board phone_board_;  // nothing stands on it

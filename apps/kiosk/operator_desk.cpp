@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "apps/common/measuring.h"
+#include "apps/kiosk/kept_regions.h"
 #include "apps/kiosk/small_picture.h"
 #include "core/file.h"
 #include "formats/json_file.h"
@@ -15,6 +17,9 @@ namespace {
 constexpr std::size_t kListedMax = 500;  // the youngest
 constexpr std::size_t kPictureBytesMax = std::size_t{8} << 20;
 constexpr std::size_t kNumberCharactersMax = 20;
+constexpr std::size_t kRegionCharactersMax = 64;
+// A person who comes is found within a second; after a diagnosis the next one waits, because it takes its time.
+constexpr std::int64_t kEmptyNs = 2'000'000'000, kLookPeriodNs = 5'000'000'000;
 
 PageAnswer said(unsigned status, const std::string& text) {
   return {status, nullptr, text};
@@ -52,7 +57,8 @@ Json listed_json(const sessions::Listed& one) {
 
 }  // namespace
 
-OperatorDesk::OperatorDesk(OperatorSettings settings) : settings_(std::move(settings)) {
+OperatorDesk::OperatorDesk(OperatorSettings settings, std::optional<Shop> shop, const Statistics* statistics)
+    : settings_(std::move(settings)), shop_(std::move(shop)), statistics_(statistics) {
   sessions::sweep(settings_.root);
 }
 
@@ -60,11 +66,48 @@ OperatorDesk::~OperatorDesk() {
   if (job_thread_.joinable()) job_thread_.join();
 }
 
-void OperatorDesk::use_source(const hal::SourceInfo& source, const sessions::Versions& versions) {
+void OperatorDesk::use_source(const hal::SourceInfo& source, const sessions::Versions& versions,
+                              DiagnosePicture diagnose) {
+  auto kept = settings_.settings.region.empty() ? kept_region(settings_.root, source.name)
+                                                : Result<std::string>(settings_.settings.region);
   const std::lock_guard lock(mutex_);
   source_ = source;
   versions_ = versions;
   has_source_ = true;
+  region_text_ = kept ? *kept : "";
+  region_error_ = kept ? "" : kept.error().message;
+  region_ = {region_.count + 1, region_of(region_text_)};
+  diagnose_ = std::move(diagnose);
+  diagnosis_ = {};
+}
+
+OperatorRegion OperatorDesk::region() const {
+  const std::lock_guard lock(mutex_);
+  return region_;
+}
+
+void OperatorDesk::look(const FrameSeen& frame) {
+  const std::int64_t now = frame.info.host_ns;
+  if (frame.result.user != 0 || !has(frame.result.guidance, Guidance::no_person)) {
+    if (std::exchange(empty_since_ns_, 0) == 0 && looked_ns_ == 0) return;
+    looked_ns_ = 0;
+    const std::lock_guard lock(mutex_);
+    diagnosis_ = {};
+    return;
+  }
+  if (now < looked_ns_) empty_since_ns_ = looked_ns_ = 0;  // another recording
+  if (empty_since_ns_ == 0 || now < empty_since_ns_) empty_since_ns_ = now;
+  if (now - empty_since_ns_ < kEmptyNs || (looked_ns_ != 0 && now - looked_ns_ < kLookPeriodNs)) return;
+  looked_ns_ = now;
+  DiagnosePicture diagnose;
+  {
+    const std::lock_guard lock(mutex_);
+    diagnose = diagnose_;
+  }
+  if (!diagnose) return;
+  hal::DepthDiagnosis found = diagnose(frame.depth);  // outside the lock: it takes its time
+  const std::lock_guard lock(mutex_);
+  diagnosis_ = std::move(found);
 }
 
 std::shared_ptr<VisitRecorder> OperatorDesk::recorder_of(std::uint64_t visit) const {
@@ -132,10 +175,19 @@ PageAnswer OperatorDesk::get(const PageRequest& request) {
     return record ? json_answer(*parse_json<Json>(record->document, id)) : failed(record.error());
   }
   if (request.path == "/operator/picture") return picture(id, field_of(request, "number"));
+  if (request.path == "/operator/statistics.csv")
+    return {200,
+            std::make_shared<const PageFile>(
+                PageFile{"text/csv; charset=utf-8", statistics_ == nullptr ? "" : statistics_->csv()}),
+            ""};
   if (request.path == "/operator/form") {
     Json tape = Json::array();
     for (const auto& [name, names] : settings_.tape) tape.push_back({{"id", name}, {"names", names}});
-    return json_answer({{"site", settings_.site}, {"root", settings_.root}, {"tape", tape}});
+    return json_answer({{"site", settings_.site},
+                        {"root", settings_.root},
+                        {"tape", tape},
+                        {"counts", statistics_ != nullptr},
+                        {"shop", shop_ ? shop_json(*shop_) : Json()}});
   }
   return said(404, "not found");
 }
@@ -144,6 +196,7 @@ PageAnswer OperatorDesk::post(const PageRequest& request, const Json& body) {
   if (request.path == "/operator/begin") return begin(body);
   if (request.path == "/operator/save") return save(body);
   if (request.path == "/operator/discard") return discard();
+  if (request.path == "/operator/region") return set_region(body);
   const std::string id = text_of(body, "id");
   if (request.path == "/operator/measure") return measure_again(id);
   if (request.path == "/operator/delete") {
@@ -165,6 +218,12 @@ PageAnswer OperatorDesk::state() const {
                          {"full", counts.full},
                          {"error", counts.error}};
   }
+  json["region"] = {{"text", region_text_}, {"fixed", !settings_.settings.region.empty()}, {"error", region_error_}};
+  if (diagnosis_.code != hal::DiagnosisCode::none)
+    json["diagnosis"] = {{"code", std::string(hal::name_of(diagnosis_.code))},
+                         {"unit_mm", diagnosis_.unit_mm},
+                         {"rotate_deg", diagnosis_.rotate_deg},
+                         {"text", diagnosis_.text}};
   if (phase_ == Phase::measured) json["result"] = *parse_json<Json>(result_, "result.json");
   if (!erased_.empty()) json["erased"] = erased_;
   if (!job_.kind.empty())
@@ -178,7 +237,7 @@ PageAnswer OperatorDesk::state() const {
 
 PageAnswer OperatorDesk::begin(const Json& body) {
   const ConsentText* text = consent_text(text_of(body, "language"));
-  if (text == nullptr || text_of(body, "version") != text->version)
+  if (text == nullptr || text_of(body, "version") != consent_version(text->version, shop_))
     return said(409, "the consent shown is of another version; reload the page");
   hal::SourceInfo source;
   {
@@ -198,8 +257,14 @@ PageAnswer OperatorDesk::begin(const Json& body) {
     saved_.clear();
     erased_.clear();
     started_utc_ = sessions::utc_now();
-    consent_ = {std::string("operator-") + text->language + "-" + text->version, text->language, text->sha256,
-                started_utc_};
+    region_at_begin_ = region_text_;
+    consent_ = {std::string("operator-") + text->language + "-" + consent_version(text->version, shop_),
+                text->language, text->sha256, started_utc_};
+    if (shop_ && shop_->consent) {
+      consent_.operator_name = shop_->consent->operator_name;
+      consent_.purpose = shop_->consent->purpose_in(text->language);
+      consent_.contact = shop_->consent->contact;
+    }
   });
   if (!begun) return said(409, "a customer's visit is in progress; end it on the customer's page first");
   return said(200, "recording");
@@ -219,6 +284,26 @@ PageAnswer OperatorDesk::discard() {
   }
   end_visit_(visit);
   return said(200, "discarded");
+}
+
+// Not while a person is recorded: the session has one region, within which it is measured again.
+PageAnswer OperatorDesk::set_region(const Json& body) {
+  const auto given = body.find("region");
+  if (given == body.end() || !given->is_string())
+    return said(400, "region is not a text; expected x0,z0,x1,z1 in metres, or an empty text for everywhere");
+  const auto text = given->get<std::string>();
+  if (text.size() > kRegionCharactersMax) return said(400, "region has more than 64 characters");
+  if (const std::string fault = text.empty() ? "" : region_fault(text); !fault.empty()) return said(400, fault);
+  const std::lock_guard lock(mutex_);
+  if (!settings_.settings.region.empty())
+    return said(409, "--region of the command line holds; start without it to set a region here");
+  if (!has_source_) return said(409, "no camera is connected yet");
+  if (phase_ == Phase::recording) return said(409, "a person is being recorded; set the region after that");
+  if (const auto kept = keep_region(settings_.root, source_.name, text); !kept) return failed(kept.error());
+  region_text_ = text;
+  region_error_.clear();
+  region_ = {region_.count + 1, region_of(text)};
+  return said(200, "set");
 }
 
 PageAnswer OperatorDesk::save(const Json& body) {
@@ -241,6 +326,7 @@ PageAnswer OperatorDesk::save(const Json& body) {
                      source_.intrinsics.cy};
     record.versions = versions_;
     record.settings = settings_.settings;
+    record.settings.region = region_at_begin_;
     result = result_;
     recorder = recorder_;
   }

@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -17,8 +18,12 @@
 #include <vector>
 
 #include "apps/common/events.h"
+#include "apps/common/operator_region.h"
 #include "apps/kiosk/page_server.h"
+#include "apps/kiosk/shop_file.h"
+#include "apps/kiosk/statistics.h"
 #include "apps/kiosk/visit_recorder.h"
+#include "hal/depth_diagnosis.h"
 
 namespace im2fit::apps {
 
@@ -30,10 +35,14 @@ struct ConsentText {
 };
 const ConsentText* consent_text(std::string_view language);  // null: there is none
 
+// Why a picture shows no person (engine/diagnosis.h). Some tenths of a second.
+using DiagnosePicture = std::function<hal::DepthDiagnosis(DepthView depth)>;
+
 struct OperatorSettings {
   std::string root;  // of the sessions
   std::string site;  // proposed in the form
-  // As the engine measures: written into each session.
+  // As the engine measures: written into each session. A region that it has is the command line's: the page shows it,
+  // and cannot change it.
   sessions::Settings settings;
   // Measurements a tape may take, with their names by language.
   std::vector<std::pair<std::string, Json>> tape;
@@ -44,7 +53,9 @@ struct OperatorSettings {
 
 class OperatorDesk {
  public:
-  explicit OperatorDesk(OperatorSettings settings);
+  // `shop` is named in the consent; `statistics` must outlive this, null: nothing is counted.
+  explicit OperatorDesk(OperatorSettings settings, std::optional<Shop> shop = std::nullopt,
+                        const Statistics* statistics = nullptr);
   ~OperatorDesk();
   OperatorDesk(const OperatorDesk&) = delete;
   OperatorDesk& operator=(const OperatorDesk&) = delete;
@@ -58,7 +69,13 @@ class OperatorDesk {
     begin_visit_ = std::move(begin);
     end_visit_ = std::move(end);
   }
-  void use_source(const hal::SourceInfo& source, const sessions::Versions& versions);
+  // The region kept for this camera holds from here on. `diagnose` may be null.
+  void use_source(const hal::SourceInfo& source, const sessions::Versions& versions,
+                  DiagnosePicture diagnose = nullptr);
+  // Any thread.
+  OperatorRegion region() const;
+  // Of every frame of a visit, recorded or not, on the engine's thread: finds out why no person is seen.
+  void look(const FrameSeen& frame);
   PageAnswer answer(const PageRequest& request);  // on the server's thread
 
   // Called for the visit of this number, on any thread; they do nothing for other visits.
@@ -86,12 +103,15 @@ class OperatorDesk {
   PageAnswer begin(const Json& body);
   PageAnswer save(const Json& body);
   PageAnswer discard();
+  PageAnswer set_region(const Json& body);
   PageAnswer measure_again(const std::string& id);
   PageAnswer picture(const std::string& id, const std::string& number) const;
   std::shared_ptr<VisitRecorder> recorder_of(std::uint64_t visit) const;
   void start_job(const std::string& kind, const std::string& id, std::function<void(Job&)> work);
 
   const OperatorSettings settings_;
+  const std::optional<Shop> shop_;
+  const Statistics* const statistics_;
   BeginVisit begin_visit_;
   EndVisit end_visit_;
   mutable std::mutex mutex_;  // of all below
@@ -104,6 +124,13 @@ class OperatorDesk {
   sessions::Consent consent_;
   std::string started_utc_, result_;
   std::string saved_, erased_;  // sessions of `visit_`: the one saved, the one its person deleted
+  OperatorRegion region_;
+  std::string region_text_;      // of the camera; "": everywhere
+  std::string region_error_;     // why the kept one does not hold
+  std::string region_at_begin_;  // of the recording; after the answer another may be set
+  DiagnosePicture diagnose_;
+  hal::DepthDiagnosis diagnosis_;
+  std::int64_t empty_since_ns_ = 0, looked_ns_ = 0;  // no person since; the last diagnosis. The engine's thread alone
   Job job_;
   std::thread job_thread_;
 };

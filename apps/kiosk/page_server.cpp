@@ -48,7 +48,7 @@ constexpr std::pair<std::string_view, PageAction> kActions[] = {
 constexpr std::string_view kOffer = "/hand-over", kTake = "/take", kFacts = "/facts";
 constexpr std::string_view kSignIn = "/operator/sign-in", kSignOut = "/operator/sign-out";
 constexpr std::size_t kSignInBytesMax = std::size_t{1} << 10;
-constexpr const char* kCookie = "im2fit_operator";
+constexpr const char* kCookie = "im2fit_operator_";  // and the port: browsers do not tell ports apart
 constexpr const char* kKept = "private, max-age=31536000, immutable";
 
 // A request that is being answered; for a POST with a body, also the result of reading it.
@@ -121,7 +121,7 @@ struct PageServer::Parts {
   PageHandlers handlers;
   OperatorGate gate;
   Visitors visitors{VisitorLimits{}};
-  std::string url;
+  std::string url, cookie;
   MHD_Daemon* daemon = nullptr;
   std::mutex mutex;  // of streams, delayed and stopping
   std::list<Stream> streams;
@@ -191,8 +191,8 @@ MHD_Result PageServer::Parts::answer_operator(MHD_Connection* connection, std::s
   if (post && origin.count != 1) return refuse();
   if (post && upload.path == kSignIn) return want_body(connection, upload, kSignInBytesMax);
   // A page that nobody touches polls its state all the same.
-  const char* cookie = MHD_lookup_connection_value(connection, MHD_COOKIE_KIND, kCookie);
-  const std::string_view session = cookie == nullptr ? "" : cookie;
+  const char* given = MHD_lookup_connection_value(connection, MHD_COOKIE_KIND, cookie.c_str());
+  const std::string_view session = given == nullptr ? "" : given;
   const std::string secret = gate.token_of(session, post || upload.path != "/operator/state", Clock::now());
   if (secret.empty()) {
     const Response response = copied("sign in at /operator first\n");
@@ -267,8 +267,7 @@ MHD_Result PageServer::Parts::answer_sign_in(MHD_Connection* connection, Upload&
   if (response)
     MHD_add_response_header(
         response.get(), "Set-Cookie",
-        (std::string(kCookie) + "=" + upload.sign_in->session + "; Path=/operator; HttpOnly; SameSite=Strict")
-            .c_str());
+        (cookie + "=" + upload.sign_in->session + "; Path=/operator; HttpOnly; SameSite=Strict").c_str());
   return send(connection, MHD_HTTP_OK, response, kPlainText);
 }
 
@@ -422,6 +421,7 @@ Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address,
   auto made = std::make_unique<Parts>(board, address.host, std::move(handlers));
   Parts& parts = *made;
   const bool v6 = address.host.find(':') != std::string::npos;
+  parts.cookie = kCookie + std::to_string(port_of(listening.socket));
   parts.url = "http://" + (v6 ? "[" + address.host + "]" : address.host) + ":" +
               std::to_string(port_of(listening.socket)) + "/";
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "apps/common/measuring.h"
 #include "core/text.h"
 #include "engine/engine.h"
 #include "formats/json_file.h"
@@ -70,6 +71,7 @@ void set_settings(Json& json, const Settings& settings) {
   set_or_drop(json, "calibration", settings.calibration);
   set_or_drop(json, "clothing", settings.clothing);
   set_or_drop(json, "sensor", settings.sensor);
+  set_or_drop(json, "region", settings.region);
 }
 
 // ---- from JSON: the first field that is wrong ends it.
@@ -181,6 +183,9 @@ void read_settings(Fields& fields, const Json& json, Settings& settings) {
   fields.text(json, "settings.", "calibration", settings.calibration, false);
   fields.text(json, "settings.", "clothing", settings.clothing, false);
   fields.text(json, "settings.", "sensor", settings.sensor, false);
+  fields.text(json, "settings.", "region", settings.region, false);
+  if (!settings.region.empty() && !apps::region_of(settings.region))
+    fields.wrong("settings.region", "is not x0,z0,x1,z1 in metres with x0 < x1 and z0 < z1");
 }
 
 void read_record(Fields& fields, const Json& json, Record& record) {
@@ -192,6 +197,9 @@ void read_record(Fields& fields, const Json& json, Record& record) {
   fields.text(consent, "consent.", "language", record.consent.language, true);
   fields.text(consent, "consent.", "text_sha256", record.consent.text_sha256, true);
   fields.text(consent, "consent.", "given_utc", record.consent.given_utc, true);
+  fields.text(consent, "consent.", "operator", record.consent.operator_name, false);
+  fields.text(consent, "consent.", "purpose", record.consent.purpose, false);
+  fields.text(consent, "consent.", "contact", record.consent.contact, false);
   read_truth(fields, fields.object(json, "truth", true), record.truth);
   fields.text(json, "", "notes", record.notes, false);
   read_camera(fields, fields.object(json, "camera", true), record.camera);
@@ -264,7 +272,10 @@ std::string fault_of_consent(const Consent& consent) {
   if (!is_sha256(consent.text_sha256)) return "consent.text_sha256 is not 64 hexadecimal digits";
   if (!is_utc(consent.given_utc)) return "consent.given_utc is not a time like 2026-05-04T12:30:00Z";
   for (const std::string& fault : {fault_of_line("consent.version", consent.version, kWordBytesMax),
-                                   fault_of_line("consent.language", consent.language, kWordBytesMax)})
+                                   fault_of_line("consent.language", consent.language, kWordBytesMax),
+                                   fault_of_line("consent.operator", consent.operator_name, kLineBytesMax),
+                                   fault_of_line("consent.purpose", consent.purpose, kLineBytesMax),
+                                   fault_of_line("consent.contact", consent.contact, kLineBytesMax)})
     if (!fault.empty()) return fault;
   return "";
 }
@@ -283,6 +294,9 @@ std::string record_json(const Record& record) {
   set_text(consent, "language", record.consent.language);
   set_text(consent, "text_sha256", record.consent.text_sha256);
   set_text(consent, "given_utc", record.consent.given_utc);
+  set_or_drop(consent, "operator", record.consent.operator_name);
+  set_or_drop(consent, "purpose", record.consent.purpose);
+  set_or_drop(consent, "contact", record.consent.contact);
   set_truth(object_in(json, "truth"), record.truth);
   set_text(json, "notes", record.notes);
   Json& camera = object_in(json, "camera");

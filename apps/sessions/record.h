@@ -25,7 +25,8 @@ inline constexpr Range kAgeYears{0, 120};
 inline constexpr Range kTapeMm{10, 3000};
 // Bytes of text in a field.
 inline constexpr std::size_t kPersonBytesMax = 64;
-inline constexpr std::size_t kWordBytesMax = 64;  // a size, a version, a name of a site
+inline constexpr std::size_t kWordBytesMax = 64;   // a size, a version, a name of a site
+inline constexpr std::size_t kLineBytesMax = 640;  // what a shop says: 160 characters
 inline constexpr std::size_t kNotesBytesMax = 4096;
 inline constexpr std::size_t kTapeValuesMax = 200;
 
@@ -34,6 +35,8 @@ struct Consent {
   std::string language;     // of the text: "de"
   std::string text_sha256;  // of the text in UTF-8, 64 hexadecimal digits
   std::string given_utc;    // "2026-05-04T12:30:00Z"
+  // What the shop added to the text, in that language (--shop); "": nothing.
+  std::string operator_name{}, purpose{}, contact{};
 };
 
 // One tape measurement, in mm, or a weight in kg: taken once, or twice for the tape's own error.
@@ -74,6 +77,7 @@ struct Settings {
   int frames = 0;                             // good ones behind the answer, of each side; 0: not known
   std::string turn = "none";                  // or another of kTurnNames
   std::string calibration, clothing, sensor;  // "": not known
+  std::string region{};  // "x0,z0,x1,z1" in metres, within which people were measured; "": everywhere
 };
 
 struct Record {

@@ -84,14 +84,6 @@ void remove_left(const std::string& root) {
   }
 }
 
-Status make_root(const std::string& root) {
-  std::error_code code;
-  const fs::path path(root);
-  if (path.has_parent_path()) fs::create_directories(path.parent_path(), code);
-  if (!code && ::mkdir(root.c_str(), kFolderMode) != 0 && errno != EEXIST) return system_error("cannot make", root);
-  return make_directory(root);
-}
-
 // Only its owner may read anything of it, whatever the umask was while it was written.
 Status close_to_others(const std::string& folder) {
   std::error_code code;
@@ -126,6 +118,14 @@ std::string digest_of(std::span<const std::byte> bytes) {
 
 std::string utc_now() {
   return time_text("%Y-%m-%dT%H:%M:%SZ");
+}
+
+Status make_root(const std::string& root) {
+  std::error_code code;
+  const fs::path path(root);
+  if (path.has_parent_path()) fs::create_directories(path.parent_path(), code);
+  if (!code && ::mkdir(root.c_str(), kFolderMode) != 0 && errno != EEXIST) return system_error("cannot make", root);
+  return make_directory(root);
 }
 
 Result<NewSession> NewSession::begin(const std::string& root) {

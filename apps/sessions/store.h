@@ -25,6 +25,8 @@ inline constexpr char kJointsFile[] = "joints.csv";
 std::string default_root();         // ${XDG_DATA_HOME:-~/.local/share}/im2fit/sessions
 bool is_id(std::string_view text);  // [A-Za-z0-9_-]{1,40}: also safe as a file's name
 std::string utc_now();              // "2026-05-04T12:30:00Z"
+// Makes the folder, readable by its owner alone, and its parents. Errors: io.
+Status make_root(const std::string& root);
 // As Versions has it: CRC-32C of a file, 8 hexadecimal digits. Errors: of opening it.
 std::string digest_of(std::span<const std::byte> bytes);
 

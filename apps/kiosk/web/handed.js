@@ -24,7 +24,7 @@ function rows() {
 function asText(list) {
   const size = taken.size ? [`${words.table.page['size-title']}: ${taken.size.best}`] : [];
   const lines = list.map((row) => `${row.name}: ${row.value} (${row.interval})`);
-  return [...size, `${words.unit('mm')}, ${words.table.page['interval-head']}`, ...lines, ''].join('\n');
+  return [...size, ...words.doubts(taken), `${words.unit('mm')}, ${words.table.page['interval-head']}`, ...lines, ''].join('\n');
 }
 function offer(id, text, type) {
   URL.revokeObjectURL(at(id).href);
@@ -43,6 +43,7 @@ function show() {
   at('unit-head').textContent = words.unit('mm');
   at('unit').textContent = words.inches ? words.of('centimetres') : words.of('inches');
   at('size').textContent = taken.size ? `${words.table.page['size-title']}: ${taken.size.best}` : '';
+  at('doubts').textContent = words.doubts(taken).join(' ');
   const list = rows();
   at('values').tBodies[0].replaceChildren(...list.map((row) => {
     const line = document.createElement('tr'), name = document.createElement('th');
@@ -62,7 +63,7 @@ at('unit').addEventListener('click', () => {
   show();
 });
 async function begin() {
-  const token = location.hash.slice(1);
+  const token = location.hash.slice(1).toLowerCase();  // a keyboard may have made it begin with a capital
   await words.load();  // first: without texts nothing could be shown for a token that is used up
   try {
     taken = token ? await take(token) : null;

@@ -8,6 +8,8 @@ const kPollMs = 500;
 const kReplayMs = 100;
 const kStayMs = 60000;  // how often touches are reported: a session ends half an hour after the last
 const kLowPercent = 50;  // a joint that is as likely wrong as right
+const kEdges = ['x0', 'z0', 'x1', 'z1'];  // as --region has them
+const kReachMaxM = 20;
 const kFormFields = ['person', 'height', 'weight', 'age', 'gender', 'worn_size', 'clothing', 'notes'];
 
 const words = new Words(new URLSearchParams(location.search).get('lang') || navigator.language || 'en');
@@ -17,7 +19,7 @@ for (const kind of ['error', 'unhandledrejection']) {
   window.addEventListener(kind, (e) => failures.push(String(e.message || e.reason)));
 }
 let token = '', form = {tape: []}, state = {phase: 'IDLE', ready: false}, said = '', jobSeen = '', unreached = '', erased = '';
-let joints = [], replaying = 0;
+let joints = [], replaying = 0, regionShown = null;
 
 // "list.title" of the operator's texts.
 const of = (key) => key.split('.').reduce((table, word) => table && table[word], words.table.operator);
@@ -51,7 +53,7 @@ function showTexts() {
   if (!words.table) return;
   document.documentElement.lang = words.language;
   for (const e of document.querySelectorAll('[data-text]')) e.textContent = of(e.dataset.text);
-  at('points').replaceChildren(...of('consent.points').map((text) => {
+  at('points').replaceChildren(...[...of('consent.points'), ...words.shopPoints(form.shop)].map((text) => {
     const item = document.createElement('li');
     item.textContent = text;
     return item;
@@ -65,6 +67,7 @@ function showTexts() {
   showTape();
   showState();
   showSessions();
+  showStatistics();
 }
 const nameOf = (entry) => entry.names[words.language] || entry.names.en || entry.id;
 function showTape() {
@@ -140,6 +143,52 @@ function clearForm() {
   showTape();
 }
 
+// --- where to measure: the text of --region from four fields, in metres; "" of four empty ones
+function regionText() {
+  const values = kEdges.map((id) => at(id).value.trim().replace(',', '.').replace('\u2212', '-'));
+  if (values.every((text) => !text)) return '';
+  const fault = (id, key) => {
+    at(id).focus();
+    const field = at(id).labels[0].innerText.trim();
+    throw new Error(of(`region.${key}`).replace('{field}', field).replace('{text}', at(id).value));
+  };
+  kEdges.forEach((id, i) => { if (!values[i]) fault(id, 'missing'); });
+  kEdges.forEach((id, i) => { if (!/^-?(\d+\.?\d*|\.\d+)$/.test(values[i])) fault(id, 'not_number'); });
+  kEdges.forEach((id, i) => { if (Math.abs(Number(values[i])) > kReachMaxM) fault(id, 'too_far'); });
+  const [x0, z0, x1, z1] = values.map(Number);
+  if (x0 >= x1) fault('x0', 'order_x');
+  if (z0 >= z1) fault('z0', 'order_z');
+  return [x0, z0, x1, z1].join(',');
+}
+// What holds; fields that the operator is filling in keep what they have.
+function showRegion() {
+  const region = state.region;
+  if (!region) return;
+  if (regionShown !== region.text) {
+    regionShown = region.text;
+    const values = region.text ? region.text.split(',') : ['', '', '', ''];
+    kEdges.forEach((id, i) => { at(id).value = values[i] && words.number(Number(values[i]), 3).replace(/[.,]?0+$/, ''); });
+  }
+  for (const id of kEdges) at(id).readOnly = region.fixed;
+  at('region-set').hidden = region.fixed;
+  at('region-set').disabled = ['WAITING', 'RECORDING'].includes(document.body.dataset.phase);
+  const lines = [region.text ? of('region.held') : of('region.everywhere')];
+  if (region.fixed) lines.push(of('region.fixed'));
+  if (region.error) lines.push(region.error);
+  const text = lines.join(' ');
+  if (at('region-now').textContent !== text) at('region-now').textContent = text;
+}
+// Why no person is seen, with the option that mends it.
+function showDiagnosis() {
+  const found = state.diagnosis;
+  at('diagnosis').hidden = !found;
+  if (!found) return;
+  const key = found.code === 'UNIT' && !(found.unit_mm > 0) ? 'UNIT_UNKNOWN' : found.code;
+  const unit = String(Number(Number(found.unit_mm).toPrecision(3)));
+  const text = (of(`diagnosis.${key}`) || found.text).replace('{unit}', unit).replace('{deg}', found.rotate_deg);
+  if (at('diagnosis-text').textContent !== text) at('diagnosis-text').textContent = text;
+}
+
 // --- what the program says
 function showState() {
   if (!words.table) return;
@@ -160,6 +209,8 @@ function showState() {
   at('begin').disabled = phase !== 'IDLE' || busy;
   at('save').disabled = phase !== 'MEASURED' || busy;
   at('discard').disabled = !['RECORDING', 'MEASURED'].includes(phase) || busy;
+  showRegion();
+  showDiagnosis();
 }
 function jobDone(job) {
   if (job.error) at('trouble').textContent = job.error;
@@ -262,6 +313,47 @@ async function replay(id) {
   }
 }
 
+// --- statistics: counts of all people together; a day's visits, a month's sizes and reasons
+const kDaysShown = 14, kStatisticsMs = 10000;
+let statistics = null;  // rows of period, what, name, count; null: nothing is counted
+async function loadStatistics() {
+  if (!token) return;
+  try {
+    const lines = (await (await get('/operator/statistics.csv')).text()).trim().split('\n').slice(1);
+    statistics = form.counts ? lines.map((line) => line.split(',')) : null;
+  } catch (error) {
+    return;
+  }
+  showStatistics();
+}
+function showStatistics() {
+  if (!words.table) return;
+  const rows = statistics || [], month = rows.map(([period]) => period.slice(0, 7)).sort().pop() || '';
+  at('statistics-note').textContent = !form.counts ? of('statistics.off') : rows.length ? '' : of('statistics.none');
+  at('export').hidden = !form.counts;
+  const reason = (code) => (code === 'LEFT' ? of('statistics.left') : words.say(code) || code);
+  for (const [id, key, what, name] of [['statistics-sizes', 'sizes', 'size', (size) => size],
+    ['statistics-reasons', 'reasons', 'not_measured', reason]]) {
+    const found = rows.filter((row) => row[0] === month && row[1] === what).sort((a, b) => b[3] - a[3]);
+    const list = found.map((row) => `${name(row[2])} ${words.number(Number(row[3]), 0)}`).join(' · ');
+    at(id).textContent = list ? of(`statistics.${key}`).replace('{month}', month).replace('{list}', () => list) : '';
+  }
+  const days = [...new Set(rows.filter((row) => row[1] === 'visits').map((row) => row[0]))].sort().reverse();
+  at('days').hidden = days.length === 0;
+  at('days').tBodies[0].replaceChildren(...days.slice(0, kDaysShown).map((day) => {
+    const line = document.createElement('tr'), head = document.createElement('th');
+    head.scope = 'row';
+    head.textContent = day;
+    line.append(head);
+    for (const what of ['visits', 'measured']) {
+      const row = rows.find((one) => one[0] === day && one[1] === what);
+      line.insertCell().textContent = words.number(row ? Number(row[3]) : 0, 0);
+    }
+    return line;
+  }));
+}
+setInterval(loadStatistics, kStatisticsMs);
+
 // --- live depth and joints, from the stream all pages have
 function showConfidence(percent) {
   at('joints').tBodies[0].replaceChildren(...joints.map((name, i) => {
@@ -299,7 +391,7 @@ stream.onmessage = (message) => {
 // --- what the operator does
 at('begin').addEventListener('click', () => tried(async () => {
   said = '';
-  await ask('/operator/begin', {language: words.language, version: of('consent.version')});
+  await ask('/operator/begin', {language: words.language, version: words.consentVersion(of('consent.version'), form.shop)});
 }));
 at('discard').addEventListener('click', () => tried(() => ask('/operator/discard', {})));
 at('form').addEventListener('submit', (event) => {
@@ -308,6 +400,18 @@ at('form').addEventListener('submit', (event) => {
     person: at('person').value.trim(), site: at('site').value.trim(), notes: at('notes').value, truth: truth(),
   }));
 });
+at('region').addEventListener('submit', (event) => {
+  event.preventDefault();
+  at('region-fault').textContent = '';
+  let text = '';
+  try {
+    text = regionText();
+  } catch (error) {
+    at('region-fault').textContent = error.message;
+    return;
+  }
+  tried(() => ask('/operator/region', {region: text}));
+});
 at('add').addEventListener('change', () => {
   if (at('add').value) addReading(at('add').value);
 });
@@ -315,8 +419,10 @@ at('add').addEventListener('change', () => {
 // --- signing in and out. The session is a cookie that scripts cannot read; half an hour without a touch ends it.
 function signedOut() {
   token = said = jobSeen = '';
+  regionShown = null;
   ++replaying;  // ends a replay
   sessions = [];
+  statistics = null;
   state = {phase: 'IDLE', ready: false};
   clearForm();
   at('again').hidden = at('comparison').hidden = true;
@@ -330,6 +436,7 @@ async function enter() {
   at('trouble').textContent = '';
   showTexts();
   await loadSessions();
+  await loadStatistics();
   await poll();
 }
 at('sign-in').addEventListener('submit', async (event) => {

@@ -106,8 +106,10 @@ function showTexts() {
   for (const id of ['agree', 'stop', 'size-title', 'name-head', 'interval-head']) {
     at(id).textContent = page[id];
   }
+  showBrand();
   at('consent-title').textContent = words.table.consent.title;
-  const points = [...words.table.consent.points, words.table.consent[hello.keeps_files ? 'files' : 'no_files']];
+  const points = [...words.table.consent.points, ...words.shopPoints(hello.shop), words.table.consent[hello.keeps_files ? 'files' : 'no_files'],
+    ...(hello.counts ? [words.table.consent.counted] : [])];
   at('consent-points').replaceChildren(...listItems(points));
   at('sight').setAttribute('aria-label', page.sight);
   at('canvas').setAttribute('aria-label', page.body);
@@ -131,6 +133,16 @@ function showTexts() {
   show();
 }
 
+// Whose shop this is.
+function showBrand() {
+  const shop = hello.shop;
+  at('brand').hidden = !shop;
+  if (!shop) return;
+  document.title = at('shop').textContent = shop.name;
+  at('logo').hidden = !shop.logo;
+  if (shop.logo && !at('logo').src) at('logo').src = '/shop.png';
+}
+
 // A visit that an operator records: the person is told on every screen, with the text they agreed to, which is open
 // while they are recorded. What a press of Delete left is told as well.
 let notDeleted = false;
@@ -145,10 +157,17 @@ function showRecorded() {
   }
   at('recorded-words').textContent = words.of(ended ? 'recorded' : 'recording');
   at('recorded-title').textContent = consent.title;
-  at('recorded-points').replaceChildren(...listItems(consent.points));
+  at('recorded-points').replaceChildren(...listItems([...consent.points, ...words.shopPoints(hello.shop)]));
   at('delete').textContent = words.of(recorded ? 'delete_recording' : 'delete');
   at('not-deleted').hidden = !notDeleted;
   at('not-deleted').textContent = notDeleted ? words.of('not_deleted') : '';
+}
+
+// What stands beside the answer, in plain words.
+function showDoubts() {
+  const sentences = result ? words.doubts(result) : [];
+  at('doubts').hidden = sentences.length === 0;
+  at('doubts').textContent = sentences.join(' ');
 }
 
 function showSize() {
@@ -175,6 +194,7 @@ function showResult() {
     return row;
   }));
   showSize();
+  showDoubts();
   const notes = [words.of({around: 'around', 'front+back': 'front_and_back'}[result.views] || 'front_only')];
   if (result.clothing.answered_as === 'dressed') notes.push(words.of('dressed'));
   at('others').textContent = notes.join(' ');
@@ -201,6 +221,12 @@ function showCode() {
   svg.setAttribute('aria-label', offer.address);
   for (const side of ['x', 'y']) svg.firstElementChild.setAttribute(side, -margin);
   svg.lastElementChild.setAttribute('d', offer.path);
+  at('type-address').textContent = words.of('type_address');
+  // In groups, as one reads and types it.
+  const [host, token] = offer.address.split('#');
+  at('address').replaceChildren(...[`${host}#`, ...token.match(/.{1,4}/g)].map((part) => {
+    return Object.assign(document.createElement('span'), {textContent: part});
+  }));
   at('scan').textContent = words.of('scan').replace('{s}', offer.left_s);
 }
 function endOffer() {
@@ -208,6 +234,7 @@ function endOffer() {
   offer = null;
   at('code').lastElementChild.removeAttribute('d');
   at('code').removeAttribute('aria-label');
+  at('address').replaceChildren();
   showCode();
 }
 
@@ -222,6 +249,7 @@ function forget() {
   delete document.body.dataset.near;
   delete document.body.dataset.avatar;
   for (const id of ['size', 'others', 'left']) at(id).replaceChildren();
+  showDoubts();
   at('values').tBodies[0].replaceChildren();
   document.dispatchEvent(new CustomEvent('im2fit-forget'));
 }
@@ -383,7 +411,7 @@ for (const kind of ['pointerdown', 'keydown', 'wheel', 'click']) {
 }
 at('agree').addEventListener('click', () => {
   sounds.unlock();
-  ask('consent', `${words.language}-${words.table.consent.version}`);
+  ask('consent', `${words.language}-${words.consentVersion(words.table.consent.version, hello.shop)}`);
 });
 for (const id of ['delete', 'stop']) {
   at(id).addEventListener('click', async () => {

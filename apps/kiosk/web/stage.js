@@ -4,7 +4,9 @@
 'use strict';
 
 const kShare = 0.88;       // of the view's height that the body has
+const kSharePair = 0.74;   // of two, between the switches and their verdicts
 const kElbowRoomM = 0.95;  // that has to be in view across, with the arms
+const kApartM = 0.92;      // two bodies, from middle to middle
 
 class Stage {
   // Throws where the browser has no WebGL.
@@ -34,6 +36,9 @@ class Stage {
     this.avatar = null;
     this.cloth = null;  // of the avatar, where it moves
     this.avatarsRequested = 0;
+    this.beside = null;  // {avatar, nodes}: the same body in another size, beside the avatar
+    this.besidesRequested = 0;
+    this.avatarLeft = true;
     this.nodes = [];
     this.wanted = null;
     this.drawRequested = false;
@@ -55,8 +60,67 @@ class Stage {
     }, undefined, reject));
   }
 
+  // The same body once more, to the other side of the avatar; `avatarLeft`: which side that is on. As loadAvatar.
+  loadBeside(url, segments, avatarLeft) {
+    const request = ++this.besidesRequested;
+    return new Promise((resolve, reject) => new THREE.GLTFLoader().load(url, (gltf) => {
+      if (request !== this.besidesRequested || !this.avatar) {
+        resolve(false);
+        return;
+      }
+      this.standBeside(gltf.scene, segments, avatarLeft);
+      resolve(true);
+    }, undefined, reject));
+  }
+
+  standBeside(body, segments, avatarLeft) {
+    if (!this.beside) this.faceFront();
+    this.removeBeside();
+    body.traverse((o) => { o.frustumCulled = false; });
+    this.beside = {avatar: body, nodes: segments.map((name) => body.getObjectByName(name))};
+    this.avatarLeft = avatarLeft;
+    this.scene.add(body);
+    this.place();
+  }
+
+  // Of two bodies neither is to look larger for being nearer, nor to hide the other.
+  faceFront() {
+    const {target} = this.orbit, away = this.camera.position.clone().sub(target);
+    this.camera.position.set(target.x, target.y + away.y, target.z + Math.hypot(away.x, away.z));
+    this.orbit.update();
+  }
+
+  removeBeside() {
+    ++this.besidesRequested;
+    if (!this.beside) return;
+    this.discard(this.beside.avatar);
+    this.beside = null;
+    this.place();
+  }
+
+  // Where they stand, and as far away as both need.
+  place() {
+    const half = this.beside ? (this.avatarLeft ? -kApartM : kApartM) / 2 : 0;
+    if (this.avatar) this.avatar.position.x = half;
+    if (this.beside) this.beside.avatar.position.x = -half;
+    this.frame(this.heightM);
+    this.requestDraw();
+  }
+
+  discard(body) {
+    this.scene.remove(body);
+    body.traverse((o) => {
+      if (o.geometry) o.geometry.dispose();
+      if (o.material && o.material.map) o.material.map.dispose();
+      if (o.material) o.material.dispose();
+    });
+  }
+
   stand(body, segments) {
+    const beside = this.beside;
+    this.beside = null;  // it stays when its neighbour changes clothes
     this.removeAvatar();
+    this.beside = beside;
     this.avatar = body;
     this.avatar.traverse((o) => { o.frustumCulled = false; });  // bones move it out of the box it was made in
     this.nodes = segments.map((name) => this.avatar.getObjectByName(name));
@@ -66,6 +130,7 @@ class Stage {
     const heightM = box.max.y - box.min.y;
     // Other clothes on the same body leave the view as the person has turned it.
     if (Math.abs(heightM - this.heightM) > 0.02) this.frame(heightM);
+    if (this.beside) this.place();
     this.requestDraw();
   }
 
@@ -74,7 +139,7 @@ class Stage {
     this.heightM = heightM;
     if (!(heightM > 0)) return;
     const slope = Math.tan(this.camera.fov / 2 * Math.PI / 180);
-    const distance = Math.max(heightM / kShare, kElbowRoomM / this.camera.aspect) / (2 * slope);
+    const distance = Math.max(heightM / (this.beside ? kSharePair : kShare), (kElbowRoomM + (this.beside ? kApartM : 0)) / this.camera.aspect) / (2 * slope);
     const from = this.camera.position.clone().sub(this.orbit.target).setLength(distance);
     this.orbit.target.y = heightM / 2;
     this.camera.position.copy(this.orbit.target).add(from);
@@ -83,13 +148,9 @@ class Stage {
 
   removeAvatar() {
     ++this.avatarsRequested;
+    this.removeBeside();
     if (!this.avatar) return;
-    this.scene.remove(this.avatar);
-    this.avatar.traverse((o) => {
-      if (o.geometry) o.geometry.dispose();
-      if (o.material && o.material.map) o.material.map.dispose();
-      if (o.material) o.material.dispose();
-    });
+    this.discard(this.avatar);
     this.avatar = null;
     this.cloth = null;
     this.nodes = [];
@@ -139,6 +200,16 @@ class Stage {
       this.frame(this.heightM);
     }
     this.glide();
+    if (this.beside && this.avatar) {
+      this.beside.nodes.forEach((node, i) => {
+        node.quaternion.copy(this.nodes[i].quaternion);
+        if (i === 0) node.position.copy(this.nodes[0].position);
+      });
+      // Seen from behind the left one is the right one.
+      const x = (body) => body.getWorldPosition(new THREE.Vector3()).project(this.camera).x;
+      this.camera.updateMatrixWorld();
+      document.body.dataset.swapped = String(x(this.avatar) > x(this.beside.avatar) === this.avatarLeft);
+    }
     if (this.cloth && this.cloth.advance(performance.now(), this.still.matches)) this.requestDraw();
     this.renderer.render(this.scene, this.camera);
   }

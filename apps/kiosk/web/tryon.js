@@ -21,6 +21,8 @@ class Fitting {
     this.asking = false;
     this.status = '';
     this.quiet = false;  // what is asked for was not chosen by a person
+    this.second = null;  // the other size, side by side: {part, size}
+    this.askedBeside = this.shownBeside = null;  // its queries, as those above
   }
 
   fit(id) { return this.fits.find((f) => f.garment === id); }
@@ -30,7 +32,7 @@ class Fitting {
     this.visit = visit;
     this.fits = result.fit || [];
     this.bare = this.ease = false;
-    this.asked = this.shown = null;
+    this.asked = this.shown = this.askedBeside = this.shownBeside = this.second = null;
     this.status = '';
     for (const [part, id] of [['top', 't_shirt'], ['bottom', 'trousers']]) {
       const fit = this.fit(id);
@@ -46,18 +48,20 @@ class Fitting {
     clearTimeout(this.later);
     this.visit = '';
     this.fits = [];
-    this.asked = this.shown = null;
+    this.asked = this.shown = this.askedBeside = this.shownBeside = this.second = null;
+    this.drawSides();
     this.root.replaceChildren();
     this.view.replaceChildren();
     showPanel();
   }
 
-  query() {
+  // `second`: of the other size.
+  query(second = null) {
     const fields = new URLSearchParams({visit: this.visit});
     for (const part of ['top', 'bottom']) {
       if (this.bare || !this.worn[part]) continue;
       fields.set(part, this.worn[part].garment);
-      fields.set(`${part}_size`, this.worn[part].size);
+      fields.set(`${part}_size`, second && second.part === part ? second.size : this.worn[part].size);
     }
     if (this.ease && !this.bare) fields.set('colours', 'ease');
     return fields.toString();
@@ -66,9 +70,40 @@ class Fitting {
   changed() {
     this.quiet = false;
     this.asked = this.query();
+    if (this.bare || !this.second || !this.worn[this.second.part]) this.second = null;
+    this.askedBeside = this.second && this.query(this.second);
+    if (!this.second && this.shownBeside) {
+      this.shownBeside = this.shown = null;  // the avatar once more, with cloth that moves
+      if (stage) stage.removeBeside();
+    }
     this.draw();
     this.ask();
   }
+
+  // The neighbour of the worn size that is likelier to fit: the larger one, or the smaller one of the largest.
+  compare() {
+    const worn = this.worn[this.part];
+    if (this.second || !worn) {
+      this.second = null;
+    } else {
+      const sizes = Fitting.ordered(this.fit(worn.garment)).map(([size]) => size), at = sizes.indexOf(worn.size);
+      const other = sizes[at + 1] || sizes[at - 1];
+      this.second = other ? {part: this.part, size: other} : null;
+    }
+    this.bare = false;
+    this.changed();
+  }
+  // From small to large: names do not tell.
+  static ordered(fit) {
+    const sum = (regions) => Object.values(regions).reduce((all, r) => all + r.ease_mm, 0);
+    return Object.entries(fit.sizes).sort((a, b) => sum(a[1]) - sum(b[1]));
+  }
+  wornIsSmaller() {
+    const worn = this.worn[this.second.part];
+    const sizes = Fitting.ordered(this.fit(worn.garment)).map(([size]) => size);
+    return sizes.indexOf(worn.size) < sizes.indexOf(this.second.size);
+  }
+  pending() { return this.asked !== this.shown || this.askedBeside !== this.shownBeside; }
 
   // The avatar as measured, once more: with cloth that moves. No person chose it, so a failure is not shown.
   dressAsMeasured() {
@@ -84,9 +119,11 @@ class Fitting {
 
   // The room makes one at a time and says when it is done; a word may be missed, so it is asked now and then as well.
   async ask() {
-    if (this.asking || this.asked === null || this.asked === this.shown) return;
+    if (this.asking || this.asked === null || !this.pending()) return;
     this.asking = true;
-    const query = this.asked;
+    const first = this.asked !== this.shown;  // else the other size is wanted
+    const query = first ? this.asked : this.askedBeside;
+    const wanted = () => query === (first ? this.asked : this.askedBeside);
     let status = 'failed';
     try {
       const answer = await fetch(`/tryon.glb?${query}`, {method: 'HEAD'});
@@ -96,10 +133,11 @@ class Fitting {
         this.later = setTimeout(() => this.ask(), 1500);
       } else if (answer.ok) {
         status = '';
-        if (query === this.asked) clothLink.end();  // offsets of one avatar are none of another's
-        if (query === this.asked && await this.show(`/tryon.glb?${query}`)) {
-          this.shown = query;
-          clothLink.begin(query);
+        if (wanted()) clothLink.end();  // offsets of one avatar are none of another's
+        if (wanted() && await this.show(`/tryon.glb?${query}`, first)) {
+          if (first) this.shown = query;
+          else this.shownBeside = query;
+          if (first && !this.second) clothLink.begin(query);  // two move with the skeleton, to be like each other
         }
       }
     } catch (error) {
@@ -109,12 +147,13 @@ class Fitting {
       this.status = status;
       this.drawStatus();
     }
-    if (this.asked !== query) this.ask();
+    if (!wanted() || (first && this.shown === query && this.pending())) this.ask();
   }
 
   // In the pose the body has.
-  async show(url) {
+  async show(url, first) {
     if (!stage) return true;
+    if (!first) return stage.loadBeside(url, hello.segments, this.wornIsSmaller());
     const wanted = stage.wanted;
     const shown = await stage.loadAvatar(url, hello.segments);
     if (shown && wanted) {
@@ -148,7 +187,11 @@ class Fitting {
     const ease = this.button(this.texts.ease, this.ease, this.view, () => { this.ease = !this.ease; this.changed(); });
     ease.id = 'fitting-ease';
     ease.disabled = this.bare;
+    if (this.worn[this.part]) {
+      this.button(this.texts.compare, Boolean(this.second), this.view, () => this.compare()).id = 'fitting-compare';
+    }
     if (this.ease && !this.bare) this.drawLegend(this.view);
+    this.drawSides();
     const parts = this.element('div', '', this.root, {className: 'row parts'});
     for (const part of ['top', 'bottom']) {
       const tab = this.button(this.texts[part], this.part === part, parts, () => {
@@ -164,9 +207,24 @@ class Fitting {
 
   drawStatus() {
     const line = document.getElementById('fitting-status');
-    const waits = this.asked !== null && this.asked !== this.shown;
+    const waits = this.asked !== null && this.pending();
     const code = this.quiet ? '' : this.status || (waits ? 'dressing' : '');
     if (line) line.textContent = code ? this.texts[code] : '';
+  }
+
+  // Two sizes: what each is like, on the picture; one in the panel.
+  drawSides() {
+    const sides = document.getElementById('sides');
+    sides.hidden = !this.second || !words.table;
+    sides.replaceChildren();
+    document.body.toggleAttribute('data-compares', !sides.hidden);
+    if (sides.hidden) return;
+    const worn = this.worn[this.second.part], fit = this.fit(worn.garment);
+    const both = this.wornIsSmaller() ? [worn.size, this.second.size] : [this.second.size, worn.size];
+    for (const size of both) {
+      const how = this.texts.verdict.replace('{size}', size).replace('{how}', this.sentence(fit.sizes[size]));
+      this.element('p', how, sides, {className: `verdict ${Fitting.worst(fit.sizes[size])}`}).dataset.size = size;
+    }
   }
 
   drawLegend(parent) {
@@ -176,6 +234,7 @@ class Fitting {
 
   wear(part, garment) {
     const before = this.worn[part];
+    this.second = null;  // sizes of one garment are compared
     this.worn[part] = garment ? {garment, size: this.fit(garment).best} : null;
     if (part === 'top') {  // a dress takes the place of both; after it trousers come back
       if (garment === 'dress' && this.worn.bottom) [this.below, this.worn.bottom] = [this.worn.bottom, null];
@@ -218,10 +277,11 @@ class Fitting {
   drawSizes(part, fit, box) {
     const worn = this.worn[part];
     const sizes = this.element('div', '', box, {className: 'row sizes'});
-    // From small to large: names do not tell.
-    const sum = (regions) => Object.values(regions).reduce((all, r) => all + r.ease_mm, 0);
-    for (const [size, regions] of Object.entries(fit.sizes).sort((a, b) => sum(a[1]) - sum(b[1]))) {
-      const chip = this.button(size, size === worn.size, sizes, () => {
+    const second = this.second && this.second.part === part ? this.second : null;
+    for (const [size, regions] of Fitting.ordered(fit)) {
+      const chip = this.button(size, size === worn.size || Boolean(second && size === second.size), sizes, () => {
+        if (second && size === worn.size) return;
+        if (second) second.size = worn.size;  // of two that are compared the later choice stays
         worn.size = size;
         this.bare = false;
         this.changed();
@@ -231,6 +291,7 @@ class Fitting {
       chip.setAttribute('aria-label', this.texts.verdict.replace('{size}', size).replace('{how}', this.sentence(regions)));
       if (size === fit.best) chip.classList.add('best');
     }
+    if (second) return;  // each has its verdict on the picture
     const regions = fit.sizes[worn.size], best = worn.size === fit.best;
     const size = best ? this.texts.best_of.replace('{size}', worn.size)
       .replace('{why}', fit.fits ? this.texts.best : this.texts.closest) : worn.size;

@@ -46,6 +46,22 @@ class Words {
     const locale = this.locale.startsWith(this.language) ? this.locale : this.language;
     return new Intl.NumberFormat(locale, {minimumFractionDigits: digits, maximumFractionDigits: digits}).format(value);
   }
+  // A sentence for each code that stands beside the answer of this result.json.
+  doubts(result) {
+    const ground = ((result.guidance_details || {}).feet_raised || {}).ground_mm;
+    const height = ground === undefined ? '' : `${this.value(ground, 'mm')} ${this.unit('mm')}`;
+    return Object.keys(this.table.doubts).filter((code) => (result.guidance || []).includes(code))
+      .map((code) => this.table.doubts[code].replace('{h}', height));
+  }
+  // Who measures, what for, and whom to ask: what a shop adds to a consent.
+  shopPoints(shop) {
+    if (!shop || !shop.consent) return [];
+    const {operator, purpose, contact} = shop.consent, texts = this.table.shop;
+    return [texts.operator.replace('{operator}', () => operator),
+      texts.purpose.replace('{purpose}', () => purpose[this.language] || purpose.en),
+      texts.contact.replace('{contact}', () => contact)];
+  }
+  consentVersion(own, shop) { return shop && shop.consent ? `${own}+${shop.consent.version}` : own; }
   percent(share) { return new Intl.NumberFormat(this.language, {style: 'percent'}).format(share); }
   unit(unit) {
     const short = unit === 'kg' ? (this.inches ? 'lb' : 'kg') : this.inches ? 'in' : 'cm';

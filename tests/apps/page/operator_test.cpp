@@ -47,12 +47,14 @@ class Operator : public testing::Test {
   httplib::Result sign_in(const std::string& password) const {
     return client().Post("/operator/sign-in", {{"Origin", url_}}, "{\"password\": \"" + password + "\"}", kJson);
   }
-  // "im2fit_operator=..."; "": the password is wrong.
+  // "im2fit_operator_PORT=..."; "": the password is wrong.
   std::string cookie(const std::string& password = kPassword) const {
     const auto answer = sign_in(password);
     const std::string set = answer && answer->status == 200 ? answer->get_header_value("Set-Cookie") : "";
     return set.substr(0, set.find(';'));
   }
+  // Of its cookie.
+  std::string name() const { return "im2fit_operator_" + url_.substr(url_.rfind(':') + 1); }
   // As the operator's page posts.
   Headers own(const std::string& cookie) const {
     return {{"Origin", url_}, {"X-Im2fit-Token", client(cookie).Get("/operator/token")->body}};
@@ -70,6 +72,23 @@ class Operator : public testing::Test {
   std::string url_;
 };
 
+// A browser has one jar of cookies for all ports of a machine.
+TEST_F(Operator, TwoOnOneMachineKeepASessionEach) {
+  const std::string first = cookie();
+  EXPECT_THAT(first, testing::StartsWith(name() + "="));
+  PageHandlers handlers;
+  handlers.operator_password = kPassword;
+  handlers.operate = [](const PageRequest&) { return PageAnswer{200, nullptr, "the second"}; };
+  auto second = PageServer::open({"127.0.0.1", 0}, board_, std::move(handlers));
+  ASSERT_TRUE(second) << second.error().message;
+  const std::string url = std::exchange(url_, (*second)->url().substr(0, (*second)->url().size() - 1));
+  const std::string both = first + "; " + cookie();
+  EXPECT_EQ(client(both).Get("/operator/state")->status, 200);
+  EXPECT_EQ(client(first).Get("/operator/state")->status, 401);
+  url_ = url;
+  EXPECT_EQ(client(both).Get("/operator/state")->status, 200) << "signing in at the second did not sign out here";
+}
+
 TEST_F(Operator, WithoutOneThereIsNothing) {
   auto server = PageServer::open({"127.0.0.1", 0}, board_);
   ASSERT_TRUE(server);
@@ -80,8 +99,8 @@ TEST_F(Operator, WithoutOneThereIsNothing) {
 }
 
 TEST_F(Operator, NothingIsToldOrDoneWithoutThePassword) {
-  for (const std::string& cookie : {std::string(), std::string("im2fit_operator="), std::string("im2fit_operator=x"),
-                                    "im2fit_operator=" + std::string(32, '0')}) {
+  for (const std::string& cookie :
+       {std::string(), name() + "=", name() + "=x", name() + "=" + std::string(32, '0')}) {
     for (const char* path : {"/operator/token", "/operator/state", "/operator/../operator/state", "/operator/x"}) {
       const auto answer = client(cookie).Get(path);
       ASSERT_TRUE(answer) << path;

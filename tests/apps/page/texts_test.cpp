@@ -13,6 +13,7 @@
 
 #include "core/guidance.h"
 #include "core/measurement.h"
+#include "hal/depth_diagnosis.h"
 
 namespace im2fit {
 namespace {
@@ -88,6 +89,11 @@ TEST(Texts, EveryLanguageSaysEverythingAndNothingElse) {
     EXPECT_EQ(keys_of(table["consent"]), keys_of(english["consent"]));
     EXPECT_EQ(keys_of(table["handed"]), keys_of(english["handed"]));
     EXPECT_EQ(keys_of(table["facts"]), keys_of(english["facts"]));
+    EXPECT_EQ(keys_of(table["doubts"]), (std::set<std::string>{"FEET_RAISED", "HEAD_UNSEEN"}));
+    EXPECT_EQ(keys_of(table["shop"]), (std::set<std::string>{"operator", "purpose", "contact"}));
+    for (const auto& [key, text] : table["shop"].items())
+      EXPECT_NE(text.get<std::string>().find("{" + key + "}"), std::string::npos) << key;
+    EXPECT_NE(table["doubts"]["FEET_RAISED"].get<std::string>().find("{h}"), std::string::npos);
     EXPECT_EQ(keys_of(table["tryon"]), keys_of(english["tryon"]));
     for (const char* group : {"garments", "regions", "verdicts"})
       EXPECT_EQ(keys_of(table["tryon"][group]), keys_of(english["tryon"][group])) << group;
@@ -117,8 +123,16 @@ TEST(Texts, TheOperatorsAreTheSameInEveryLanguageAndAllThatTheirPageAsksFor) {
                                     {"/phases/RECORDING", "{max}"},
                                     {"/misc/saved", "{id}"},
                                     {"/misc/dropped", "{n}"},
-                                    {"/list/values", "{n}"}})
+                                    {"/list/values", "{n}"},
+                                    {"/region/not_number", "{field}"},
+                                    {"/region/not_number", "{text}"},
+                                    {"/region/too_far", "{field}"},
+                                    {"/diagnosis/UNIT", "{unit}"},
+                                    {"/diagnosis/ROTATED", "{deg}"}})
       EXPECT_NE(texts.at(Json::json_pointer(key)).get<std::string>().find(word), std::string::npos) << key;
+  }
+  for (const std::string_view code : hal::kDiagnosisNames) {
+    EXPECT_TRUE(code.empty() || english["diagnosis"].contains(code)) << code;
   }
   const std::string asking = text_of("operator.html") + text_of("operator.js");
   for (const std::string& before : {std::string("data-text=\""), std::string(" of('"), std::string("(of('")})

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <httplib.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstring>
@@ -132,6 +134,46 @@ TEST_F(Fitting, MakesWhatWasAskedForLastAndKeepsIt) {
   EXPECT_EQ(room.ask(ease).status, 404U);
 }
 
+// One hue from dark to light, and no spot: over a breast a T-shirt is hardly darker than beside it, in any size.
+TEST_F(Fitting, TheMapOfEaseIsCalm) {
+  FittingRoom room(test::body_path(), [](const std::string&) {});
+  room.welcome(*customer_);
+  for (const char* size : {"XS", "M"}) {
+    const auto shirt = made(room, {{"visit", "one"}, {"top", "t_shirt"}, {"top_size", size}, {"colours", "ease"}});
+    ASSERT_EQ(shirt.status, 200U) << shirt.text;
+    const auto document = document_of(shirt);
+    const std::string& glb = shirt.file->bytes;
+    std::uint32_t json_bytes = 0;
+    std::memcpy(&json_bytes, glb.data() + 12, sizeof json_bytes);
+    const auto data_of = [&](const nlohmann::json& accessor) {
+      const auto& view = document["bufferViews"][accessor["bufferView"].get<std::size_t>()];
+      return glb.data() + 20 + json_bytes + 8 + view.value("byteOffset", 0) + accessor.value("byteOffset", 0);
+    };
+    const auto& attributes = document["meshes"][0]["primitives"][1]["attributes"];
+    const auto& colour = document["accessors"][attributes["COLOR_0"].get<std::size_t>()];
+    const auto& position = document["accessors"][attributes["POSITION"].get<std::size_t>()];
+    const char *colours = data_of(colour), *positions = data_of(position);
+    const auto count = colour["count"].get<std::size_t>();
+    std::vector<std::array<float, 3>> points(count);
+    std::memcpy(points.data(), positions, count * sizeof points[0]);
+    float top = 0;
+    for (const auto& p : points) top = std::max(top, p[1]);
+    std::vector<int> front;  // the trunk's, from the collar down to the waist
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto* c = reinterpret_cast<const unsigned char*>(colours) + 4 * i;
+      ASSERT_LE(c[1], c[0]) << "greenish";
+      ASSERT_LE(c[0], c[2]) << "reddish";
+      const auto& p = points[i];
+      if (p[2] > 0.03F && std::abs(p[0]) < 0.14F && p[1] < top - 0.12F && p[1] > top - 0.36F) front.push_back(c[0]);
+    }
+    ASSERT_GT(front.size(), 200U);
+    std::sort(front.begin(), front.end());
+    const int darkest = front.front(), usual = front[front.size() / 2];
+    RecordProperty(std::string("spot_") + size, usual - darkest);
+    EXPECT_LE(usual - darkest, 60) << size << ": of 255; " << front.size() << " vertices";
+  }
+}
+
 // Garments, sizes, bare and the map of ease, in Chromium, on a page as wide as a telephone's as well.
 TEST_F(Fitting, ABrowserTriesClothesOn) {
   if (!test::Browser::installed()) GTEST_SKIP() << "no chromium: scripts/deps browser";
@@ -216,8 +258,35 @@ TEST_F(Fitting, ABrowserTriesClothesOn) {
       browser.run("let n = 0; stage.avatar.traverse((o) => { if (o.geometry && o.geometry.attributes.color) ++n; });"
                   "return n;"),
       2);
+  const auto keep = [&](const char* name) {
+    if (const char* kept = std::getenv("IM2FIT_SCREENSHOTS"))
+      test::write_text(std::string(kept) + "/fitting-" + name + ".png", browser.screenshot());
+  };
+  press("#fitting-top [data-size=S]");
+  keep("ease");
+  // Two sizes: the room makes one after the other; a third takes the place of the first, and one stays.
+  const std::string both = "return fitting.shownBeside !== null && !fitting.pending() && stage.beside !== null";
+  press("#fitting-compare");
+  ASSERT_TRUE(browser.wait_for(both)) << browser.run("return [fitting.askedBeside, fitting.status, failures]");
+  EXPECT_THAT(browser.run("return fitting.shownBeside").get<std::string>(), HasSubstr("top_size=M"));
+  EXPECT_THAT(browser.run("return fitting.shown").get<std::string>(), HasSubstr("top_size=S"));
+  press("#fitting-top [data-size=XL]");
+  ASSERT_TRUE(browser.wait_for(both));
+  EXPECT_THAT(browser.run("return fitting.shownBeside").get<std::string>(), HasSubstr("top_size=S"));
+  EXPECT_EQ(browser.run("return stage.avatarLeft"), false) << "the larger on the right";
+  browser.resize(1280, 800);
+  browser.run("window.dispatchEvent(new Event('pointerdown'))");
+  browser.run_until_called("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))");
+  keep("two-ease");
+  press("#fitting-ease");
+  ASSERT_TRUE(browser.wait_for(both));
+  browser.run_until_called("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))");
+  keep("two");
+  press("#fitting-compare");
+  EXPECT_EQ(browser.run("return [stage.beside, stage.avatar.position.x]"), (nlohmann::json{nullptr, 0}));
   press("#fitting-bare");
   EXPECT_EQ(materials(), with_look(nlohmann::json::array({"skin"})));
+  browser.resize(390, 844);
   // Nothing is wider than the screen, and nothing went wrong that only a console hears of.
   EXPECT_EQ(browser.run("return document.documentElement.scrollWidth <= window.innerWidth"), true);
   EXPECT_EQ(browser.run("return failures"), nlohmann::json::array());

@@ -2,9 +2,13 @@
 // The operator's part over a page that the test feeds with events: consent, recording, the form, sessions.
 #include "apps/kiosk/operator_desk.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <filesystem>
+#include <future>
 #include <stdexcept>
 #include <thread>
 
@@ -22,23 +26,27 @@ using testing::SizeIs;
 
 class Desk : public testing::Test {
  protected:
-  void SetUp() override {
+  void SetUp() override { open_page(); }
+  void open_page() {
+    page_.reset();
     apps::LivePageSettings settings;
     settings.desk.emplace();
     settings.desk->root = root_;
     settings.desk->site = site_;
     settings.desk->settings.frames = 5;
+    settings.desk->settings.region = region_;
+    settings.shop = shop_;
     settings.desk->tape = {{"waist_girth", {{"en", "Waist"}}}};
     settings.desk->measure = measure_;
     page_ = std::make_unique<test::ShownPage>(settings);
     hal::SourceInfo source;
-    source.name = "fake";
+    source.name = camera_;
     source.intrinsics.width = 64;
     source.intrinsics.height = 48;
     source.intrinsics.fx = source.intrinsics.fy = 60;
     source.intrinsics.cx = 31.5F;
     source.intrinsics.cy = 23.5F;
-    page_->page().use_source(source, {"1.0.0", "a", "b", "c"});
+    page_->page().use_source(source, {"1.0.0", "a", "b", "c"}, diagnose_);
   }
   std::pair<int, std::string> post(const std::string& path, const Json& body) const {
     return page_->post_operator(path, body);
@@ -82,6 +90,9 @@ class Desk : public testing::Test {
   std::function<Result<Json>(const std::string&)> measure_ = [](const std::string& id) -> Result<Json> {
     return Json{{"then", nullptr}, {"now", {{"of", id}}}};
   };
+  std::string camera_ = "fake", region_;
+  apps::DiagnosePicture diagnose_;
+  std::optional<apps::Shop> shop_;
   std::unique_ptr<test::ShownPage> page_;
 };
 
@@ -174,6 +185,25 @@ TEST_F(Desk, DeleteOnThePersonsPageAlsoDeletesTheSavedSession) {
   EXPECT_EQ(entries(), 1U);
 }
 
+// The engine's frames go on while a slow disk deletes: its thread asks the page for every one of them.
+TEST_F(Desk, ADeletionThatTakesItsTimeHoldsNoFrameUp) {
+  ASSERT_NO_FATAL_FAILURE(measured_visit());
+  ASSERT_EQ(post("/operator/save", kForm).first, 202);
+  ASSERT_EQ(job_done()["error"], "");
+  const std::string visit = page_->visit();
+  const int root = ::open(root_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  ASSERT_EQ(::flock(root, LOCK_EX), 0);  // a deletion waits for it
+  auto deleted = std::async(std::launch::async, [&] { return page_->post("/delete", visit); });
+  EXPECT_EQ(deleted.wait_for(std::chrono::milliseconds(300)), std::future_status::timeout);
+  auto asked = std::async(std::launch::async, [&] { return page_->page().permit(); });
+  const bool went_on = asked.wait_for(std::chrono::seconds(3)) == std::future_status::ready;
+  EXPECT_EQ(entries(), 1U) << "not deleted yet";
+  ::close(root);
+  EXPECT_TRUE(went_on);
+  EXPECT_EQ(deleted.get(), 200);
+  EXPECT_EQ(entries(), 0U) << "the answer comes after it is gone";
+}
+
 TEST_F(Desk, DeleteDuringSavingLeavesNothing) {
   for (int i = 0; i < 5; ++i) {
     ASSERT_NO_FATAL_FAILURE(measured_visit());
@@ -223,6 +253,136 @@ TEST_F(Desk, AFormThatIsWrongIsRefusedByItsFieldAndMayBeSentAgain) {
   EXPECT_EQ(phase(), "MEASURED");
   EXPECT_EQ(post("/operator/save", kForm).first, 202);
   EXPECT_EQ(job_done()["error"], "");
+}
+
+TEST_F(Desk, ASessionNamesWhomTheShopsConsentNamed) {
+  shop_ = apps::Shop{};
+  shop_->name = "Shop";
+  shop_->consent = {"7", "Shop GmbH", {{"en", "to find sizes"}, {"de", "für Größen"}}, "shop@x.example"};
+  open_page();
+  EXPECT_EQ(get("/operator/form")["shop"]["consent"]["operator"], "Shop GmbH");
+  EXPECT_EQ(begin(), 409) << "the consent shown is not the shop's";
+  ASSERT_EQ(post("/operator/begin", {{"language", "de"}, {"version", "1+7"}}).first, 200);
+  frame(0);
+  page_->measured(987);
+  ASSERT_EQ(post("/operator/save", kForm).first, 202);
+  const auto record = sessions::read(root_, job_done()["id"]);
+  ASSERT_TRUE(record) << record.error().message;
+  EXPECT_EQ(record->consent.version, "operator-de-1+7");
+  EXPECT_EQ(record->consent.operator_name, "Shop GmbH");
+  EXPECT_EQ(record->consent.purpose, "für Größen");
+  EXPECT_EQ(record->consent.contact, "shop@x.example");
+}
+
+TEST_F(Desk, ARegionIsKeptForItsCamera) {
+  EXPECT_EQ(get("/operator/state")["region"], (Json{{"text", ""}, {"fixed", false}, {"error", ""}}));
+  EXPECT_FALSE(page_->page().region().region);
+  EXPECT_EQ(post("/operator/region", {{"region", "-0.6,1.5,0.6,3"}}).first, 200);
+  const apps::OperatorRegion set = page_->page().region();
+  ASSERT_TRUE(set.region);
+  EXPECT_EQ(set.region->x0_mm, -600);
+  EXPECT_EQ(set.region->z1_mm, 3000);
+  camera_ = "another";
+  open_page();
+  EXPECT_FALSE(page_->page().region().region);
+  EXPECT_EQ(post("/operator/region", {{"region", "0,1,1,2"}}).first, 200);
+  camera_ = "fake";
+  open_page();
+  EXPECT_EQ(get("/operator/state")["region"]["text"], "-0.6,1.5,0.6,3");
+  ASSERT_TRUE(page_->page().region().region);
+  EXPECT_EQ(page_->page().region().region->x1_mm, 600);
+  const std::uint32_t before = page_->page().region().count;
+  EXPECT_EQ(post("/operator/region", {{"region", ""}}).first, 200);
+  EXPECT_NE(page_->page().region().count, before) << "the run behind the page is told";
+  open_page();
+  EXPECT_EQ(get("/operator/state")["region"]["text"], "");
+  EXPECT_EQ(std::filesystem::status(root_ + "/.regions.json").permissions(),
+            std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  EXPECT_THAT(*sessions::list(root_), IsEmpty()) << "it is no session";
+}
+
+TEST_F(Desk, NoRegionComesOfNonsense) {
+  for (const auto& [body, expected] :
+       {std::pair<Json, const char*>{{{"region", "0.6,1.5,-0.6,3"}}, "'0.6,1.5,-0.6,3' is not a region"},
+        {{{"region", "1,2,3"}}, "is not a region: expected x0,z0,x1,z1 in metres"},
+        {{{"region", "0,0,1e9,2"}}, "is not a region"},
+        {{{"region", "nan,0,1,2"}}, "is not a region"},
+        {{{"region", std::string(65, ' ')}}, "region has more than 64 characters"},
+        {{{"region", 7}}, "region is not a text"},
+        {Json::object(), "region is not a text"}}) {
+    const auto [status, text] = post("/operator/region", body);
+    EXPECT_EQ(status, 400) << body;
+    EXPECT_THAT(text, HasSubstr(expected));
+  }
+  EXPECT_FALSE(page_->page().region().region);
+  EXPECT_FALSE(std::filesystem::exists(root_ + "/.regions.json"));
+  // A kept file that somebody has spoiled is named, people are measured everywhere, and the next region mends it.
+  std::filesystem::create_directories(root_);
+  for (const char* spoiled : {R"({"schema": "im2fit.regions/1", "cameras": {"fake": "1,2"}})", "{", "[]"}) {
+    test::write_text(root_ + "/.regions.json", spoiled);
+    open_page();
+    EXPECT_THAT(std::string(get("/operator/state")["region"]["error"]), HasSubstr(".regions.json: ")) << spoiled;
+    EXPECT_FALSE(page_->page().region().region);
+    EXPECT_EQ(post("/operator/region", {{"region", "0,1,1,2"}}).first, 200);
+    EXPECT_EQ(get("/operator/state")["region"]["error"], "");
+  }
+}
+
+TEST_F(Desk, ARecordingHasOneRegionAndItsSessionNamesIt) {
+  ASSERT_EQ(post("/operator/region", {{"region", "-1,1,1,4"}}).first, 200);
+  ASSERT_EQ(begin(), 200);
+  EXPECT_EQ(post("/operator/region", {{"region", "0,1,1,2"}}).first, 409);
+  frame(0);
+  page_->measured(987);
+  ASSERT_EQ(post("/operator/region", {{"region", "0,1,1,2"}}).first, 200) << "for the next person";
+  ASSERT_EQ(post("/operator/save", kForm).first, 202);
+  EXPECT_EQ(sessions::read(root_, job_done()["id"])->settings.region, "-1,1,1,4");
+}
+
+TEST_F(Desk, TheCommandLinesRegionHolds) {
+  region_ = "-1,1,1,4";
+  open_page();
+  EXPECT_EQ(get("/operator/state")["region"], (Json{{"text", region_}, {"fixed", true}, {"error", ""}}));
+  const auto [status, text] = post("/operator/region", {{"region", ""}});
+  EXPECT_EQ(status, 409);
+  EXPECT_THAT(text, HasSubstr("--region of the command line holds"));
+  EXPECT_EQ(page_->page().region().region->x0_mm, -1000);
+}
+
+// Of frames without a person for two seconds, and again each five; a person who comes ends it.
+TEST_F(Desk, TheOperatorIsToldWhyNoPersonIsSeen) {
+  int asked = 0;
+  diagnose_ = [&](DepthView depth) {
+    ++asked;
+    EXPECT_EQ(depth.width, 64);
+    return hal::DepthDiagnosis{hal::DiagnosisCode::unit, 0.25F, 0, "try --unit 0.25"};
+  };
+  open_page();
+  ASSERT_EQ(page_->post("/consent", page_->visit()), 200);
+  std::vector<std::uint16_t> pixels(64 * 48, 4000);
+  const auto see = [&](double seconds, int user) {
+    page_->begin_person();
+    EngineResult result;
+    result.user = user;
+    if (user == 0) result.guidance = static_cast<GuidanceSet>(Guidance::no_person);
+    hal::FrameInfo info;
+    info.host_ns = static_cast<std::int64_t>(seconds * 1e9);
+    page_->page().see({DepthView(pixels.data(), 64, 48), {}, info, {}, result});
+  };
+  for (const double seconds : {1.0, 2.0, 2.9}) see(seconds, 0);
+  EXPECT_FALSE(get("/operator/state").contains("diagnosis"));
+  for (const double seconds : {3.0, 4.0, 7.9}) see(seconds, 0);
+  EXPECT_EQ(asked, 1);
+  const Json told = get("/operator/state")["diagnosis"];
+  EXPECT_EQ(told["code"], "UNIT");
+  EXPECT_EQ(told["unit_mm"], 0.25);
+  EXPECT_EQ(told["text"], "try --unit 0.25");
+  see(8.0, 0);
+  EXPECT_EQ(asked, 2);
+  see(8.1, 1);
+  EXPECT_FALSE(get("/operator/state").contains("diagnosis"));
+  see(8.2, 0);
+  EXPECT_EQ(asked, 2);
 }
 
 TEST_F(Desk, AnIdOfTheFormLeadsNowhereElse) {

@@ -144,6 +144,18 @@ TEST_F(OperatorPage, FromAPersonToASessionThatIsMeasuredAgain) {
   for (const char* field : {"measurements", "joints", "paper", "body"})
     EXPECT_EQ(both["now"][field], both["then"][field]) << field << ": the recording holds what the engine saw";
 
+  // Measured again, the session's region holds: nobody stands within this one.
+  const std::string session = root_ + "/" + id + "/session.json", whole = test::read_text(session);
+  Json elsewhere = Json::parse(whole);
+  elsewhere["settings"]["region"] = "6,6,7,7";
+  test::write_text(session, elsewhere.dump());
+  const test::Run nobody =
+      test::run_program({IM2FIT_PROGRAM, "sessions", "measure", id, "--root", root_, "--json", "--body",
+                         test::body_path(), "--tracker", test::tracker_path(), "--index", test::index_path()});
+  const Json now = Json::parse(nobody.out, nullptr, false)["now"];
+  EXPECT_NE(now["state"], "MEASURED") << now.dump().substr(0, 500);
+  test::write_text(session, whole);
+
   browser.run("document.querySelector('#list button:nth-of-type(2)').click()");  // replay
   EXPECT_TRUE(browser.wait_for("return Number(document.body.dataset.replayed) >= 3"));
   browser.run("const b = document.querySelector('#list button:last-of-type'); b.click(); b.click()");
@@ -184,6 +196,36 @@ TEST_F(AxeOperator, FindsNothingBeforeAndAfterAPerson) {
   }
 }
 
+// The region reaches the engine: a person outside of it is not measured, and is once it is taken away.
+TEST_F(OperatorPage, PeopleAreMeasuredWhereTheOperatorSays) {
+  const std::string url = serve({});
+  test::Browser browser(folder_.path(""), {"--lang=en-GB"});
+  ASSERT_TRUE(browser.ready()) << browser.messages();
+  browser.go(url + "/operator?lang=en");
+  sign_in(browser);
+  ASSERT_TRUE(browser.wait_for("return document.body.dataset.phase === 'IDLE'")) << run_->messages();
+  browser.run(R"js(
+    window.outside = 0;
+    stream.addEventListener('message', (message) => {
+      const event = JSON.parse(message.data), left = (event.guidance_details || {}).left_out || [];
+      window.outside += left.some((one) => one.reason === 'outside');
+    });
+    at('x0').value = '6'; at('x1').value = '7'; at('z0').value = '6'; at('z1').value = '7'; at('region-set').click();)js");
+  ASSERT_TRUE(browser.wait_for("return at('region-now').textContent === of('region.held')"))
+      << browser.run("return at('trouble').textContent");
+  browser.run("at('begin').click()");
+  EXPECT_TRUE(browser.wait_for("return window.outside > 0")) << "named as outside";
+  EXPECT_EQ(browser.run("return document.body.dataset.phase"), "RECORDING");
+  browser.run("at('region-set').disabled = false; at('region-set').click()");
+  EXPECT_TRUE(browser.wait_for("return at('trouble').textContent.includes('being recorded')"));
+  browser.run("at('discard').click()");
+  ASSERT_TRUE(browser.wait_for("return document.body.dataset.phase === 'IDLE'"));
+  browser.run("for (const id of kEdges) at(id).value = ''; at('region-set').click()");
+  ASSERT_TRUE(browser.wait_for("return at('region-now').textContent === of('region.everywhere')"));
+  browser.run("at('begin').click()");
+  EXPECT_TRUE(browser.wait_for("return document.body.dataset.phase === 'MEASURED'"));
+}
+
 TEST_F(OperatorPage, IsRefusedWithoutAPassword) {
   for (const std::vector<std::string>& more : {std::vector<std::string>{},
                                                {"--host", "0.0.0.0"},
@@ -195,6 +237,35 @@ TEST_F(OperatorPage, IsRefusedWithoutAPassword) {
     EXPECT_EQ(run.exit_code, 1);
     EXPECT_TRUE(test::is_one_line_of(run.err, "im2fit")) << run.err;
   }
+}
+
+TEST_F(OperatorPage, AShopsFileThatIsBadEndsTheProgramAtItsStart) {
+  const std::string path = folder_.path("shop.json");
+  test::write_text(path,
+                   R"({"schema": "im2fit.shop/1", "name": "Shop", "colours": {"light": {"accent": "#ffff00"}}})");
+  const test::Run run =
+      test::run_program({IM2FIT_PROGRAM, "serve", folder_.path("two"), "--shop", path, "--port", "0"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_TRUE(test::is_one_line_of(run.err, "im2fit")) << run.err;
+  EXPECT_THAT(run.err,
+              testing::HasSubstr(path + ": colours.light.accent: #ffff00 has a contrast of 1.0 with #f6f5f2"));
+}
+
+TEST_F(OperatorPage, StatisticsNeedConsentAndAFileOfTheirOwn) {
+  const std::string path = folder_.path("visits.csv");
+  const auto refused = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> command = {IM2FIT_PROGRAM, "serve", folder_.path("two"), "--port", "0",
+                                        "--statistics", path};
+    command.insert(command.end(), more.begin(), more.end());
+    const test::Run run = test::run_program(command);
+    EXPECT_EQ(run.exit_code, 1);
+    EXPECT_TRUE(test::is_one_line_of(run.err, "im2fit")) << run.err;
+    return run.err;
+  };
+  EXPECT_THAT(refused({"--no-consent"}), testing::HasSubstr("--statistics counts visits, which begin with consent"));
+  test::write_text(path, "name,size\nAnna,M\n");
+  EXPECT_THAT(refused({}), testing::HasSubstr(path + ":1: expected the columns period,what,name,count"));
+  EXPECT_EQ(test::read_text(path), "name,size\nAnna,M\n") << "another file stays as it is";
 }
 
 // Exposure by systemd's own measure: 0 to 10, in tenths on its command line. The unit has 1.6; the network of this

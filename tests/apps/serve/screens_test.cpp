@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 
+#include <array>
 #include <filesystem>
 #include <thread>
 
@@ -58,7 +59,7 @@ const faults = () => {
     for (const id of ['size', 'try-on', 'to-phone', 'open-figures', 'left', 'more', 'delete', 'view']) inside(at(id), id);
     // Nothing of it is behind what stands below it.
     const floor = at('actions').getBoundingClientRect().top;
-    const told = at('told').childElementCount > 0 || !at('recorded').hidden;
+    const told = at('told').childElementCount > 0 || !at('recorded').hidden || !at('doubts').hidden;
     for (const e of document.querySelectorAll('#tryon .row, #tryon .verdict')) {
       if (!told || e.classList.contains('row')) inside(e, e.className);
       if (!told && seen(e) && e.getBoundingClientRect().bottom > floor) say(`${e.className} behind the actions`);
@@ -89,7 +90,11 @@ const apps::Json kDoubted = {{"given",
                                {"weight", {{"value", 130}, {"sd", 3}, {"unit", "kg"}}}}},
                              {"used", {"stature"}},
                              {"doubted", {"weight"}}};
-constexpr int kStatesLooked = 41;
+// Of a result: the person stood on something, and their crown has no depth.
+const apps::Json kBeside = {
+    {"guidance", {"FEET_RAISED", "HEAD_UNSEEN"}},
+    {"guidance_details", {{"feet_raised", {{"ground_mm", 38.7}}}, {"head_unseen", {{"added_mm", 12.5}}}}}};
+constexpr int kStatesLooked = 42;
 constexpr std::pair<int, int> kScreens[] = {{390, 844}, {800, 1280}, {1280, 800}, {1920, 1080}};
 
 class Screens : public testing::Test {
@@ -177,7 +182,13 @@ void Screens::through_all_states(const std::function<void(const std::string& cod
   browser_->run("at('open-figures').click()");
   EXPECT_TRUE(browser_->wait_for("return !at('figures').hidden && at('tryon').hidden"));
   at("DONE");
-  browser_->run("at('try-on').click(); at('facts-open').click()");
+  // What stands beside an answer, as long as it gets.
+  page->more_of_result = kBeside;
+  page->measured(987.6, "", kDoubted, true);
+  EXPECT_TRUE(browser_->wait_for("return !at('doubts').hidden"));
+  browser_->run("at('try-on').click()");
+  at("DONE");
+  browser_->run("at('facts-open').click()");
   at("FACTS");
   browser_->run("at('facts-skip').click()");
   at("DONE");
@@ -266,6 +277,15 @@ TEST_F(Screens, TheBodyFillsTheViewAndTryingOnIsBesideIt) {
   browser_->run("at('to-phone').click()");
   ASSERT_TRUE(browser_->wait_for("return !at('phone').hidden && at('tryon').hidden"));
   EXPECT_EQ(browser_->run(view), before);
+  // For a phone that scans nothing: the same address in letters, in groups that are no part of it.
+  EXPECT_EQ(
+      browser_->run("return at('address').textContent === offer.address && /#[0-9a-f]{32}$/.test(offer.address)"),
+      true);
+  EXPECT_EQ(browser_->run("return at('address').children.length"), 9);
+  EXPECT_EQ(browser_->run(
+                "const r = at('address').getBoundingClientRect(), p = at('panel').getBoundingClientRect();"
+                "return r.height > 0 && r.right <= p.right && r.bottom <= at('actions').getBoundingClientRect().top"),
+            true);
   browser_->run("at('try-on').click()");
   EXPECT_EQ(browser_->run("return !at('tryon').hidden && at('phone').hidden"), true);
   EXPECT_EQ(browser_->run("return [...document.querySelectorAll('#choices .main')].map((b) => b.id)"),
@@ -292,6 +312,165 @@ TEST_F(Screens, FitIsToldInAShopsWords) {
   EXPECT_EQ(told("es", "S"), "S: aprieta un poco en la cintura");
   EXPECT_EQ(told("fr", "XL"), "XL : un peu ample à la poitrine, à la taille et aux hanches");
   EXPECT_EQ(told("zh", "S"), "S：腰部稍紧");
+}
+
+TEST_F(Screens, WhatStandsBesideAnAnswerIsToldInPlainWords) {
+  test::ShownPage page;
+  ASSERT_NO_FATAL_FAILURE(open(page));
+  ASSERT_NO_FATAL_FAILURE(agree());
+  page.more_of_result = kBeside;
+  page.measured(987.6);
+  ASSERT_TRUE(shows("DONE"));
+  const auto told = [&](const std::string& language) {
+    browser_->run("words.language = '" + language + "'; showTexts()");
+    return browser_->run("return at('doubts').hidden ? '' : at('doubts').textContent").get<std::string>();
+  };
+  EXPECT_EQ(told("en"),
+            "You stood 3.9 cm above the floor; your height is counted from there. "
+            "The top of your head was not seen, so your height is less accurate.");
+  EXPECT_THAT(told("de"), testing::StartsWith("Sie standen 3,9 cm über dem Boden"));
+  EXPECT_THAT(told("zh"), testing::HasSubstr("3.9 厘米"));
+  browser_->run("words.language = 'en'; at('open-figures').click(); at('unit').click()");
+  EXPECT_THAT(told("en"), testing::StartsWith("You stood 1.5 in above"));
+  browser_->run("at('unit').click(); at('delete').click()");
+  EXPECT_TRUE(browser_->wait_for("return at('doubts').hidden && !at('doubts').textContent"));
+  ASSERT_NO_FATAL_FAILURE(agree());
+  page.more_of_result = apps::Json::object();
+  page.measured(987.6);
+  ASSERT_TRUE(shows("DONE"));
+  EXPECT_EQ(told("en"), "") << "nothing beside this answer";
+}
+
+// Two sizes: two bodies, wholly in view, each with one verdict below it, which follows its body round.
+TEST_F(Screens, TwoSizesStandSideBySideWithAVerdictEach) {
+  test::ShownPage page;
+  ASSERT_NO_FATAL_FAILURE(open(page));
+  ASSERT_NO_FATAL_FAILURE(agree());
+  page.measured(987.6);
+  ASSERT_TRUE(shows("DONE"));
+  browser_->run("window.dispatchEvent(new Event('pointerdown'))");  // who compares stands before it
+  browser_->run("const HEIGHT = 1.72;" + std::string(kFigure));
+  // The room of this page makes nothing: a figure stands for what it would send.
+  browser_->run(R"js(
+    window.urls = [];
+    fitting.ask = function () {
+      window.urls.push([this.asked, this.askedBeside]);
+      this.shown = this.asked;
+      if (!this.askedBeside || this.askedBeside === this.shownBeside) return;
+      stage.standBeside(stage.avatar.clone(), hello.segments.map(() => hello.segments[0]), this.wornIsSmaller());
+      this.shownBeside = this.askedBeside;
+    };)js");
+  const std::string sides = R"js(
+    return [...document.querySelectorAll('#sides .verdict')]
+      .sort((a, b) => a.getBoundingClientRect().left - b.getBoundingClientRect().left).map((p) => p.textContent);)js";
+  const std::string press = "document.querySelector('#tryon [data-size=";
+  browser_->run("at('fitting-compare').click()");
+  EXPECT_EQ(browser_->run(sides), (Json{"M: fits", "L: a bit loose at the chest, at the waist, and at the hips"}));
+  EXPECT_EQ(browser_->run("return document.querySelectorAll('#tryon .verdict').length"), 0) << "one verdict each";
+  EXPECT_THAT(browser_->run("return window.urls.pop()[1]").get<std::string>(), testing::HasSubstr("top_size=L"));
+  browser_->run(press + "S]').click()");
+  EXPECT_EQ(browser_->run(sides), (Json{"S: a bit tight at the waist", "M: fits"})) << "the earlier choice goes";
+  EXPECT_EQ(browser_->run("return [...document.querySelectorAll('#tryon .sizes [aria-pressed=true]')]"
+                          ".map((b) => b.dataset.size)"),
+            (Json{"S", "M"}));
+  for (const auto& [width, height] : kScreens) {
+    browser_->resize(width, height);
+    browser_->run_until_called("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))");
+    EXPECT_EQ(browser_->run(kAllFaults), Json::array()) << width << "x" << height;
+    EXPECT_EQ(browser_->run(R"js(
+      stage.draw();
+      return [stage.avatar, stage.beside.avatar].every((body) => {
+        const box = new THREE.Box3().setFromObject(body);
+        return [box.min, box.max].every((p) => Math.abs(p.clone().project(stage.camera).x) <= 1);
+      });)js"),
+              true)
+        << "both in view on " << width << "x" << height;
+    EXPECT_EQ(browser_->run(R"js(
+      const box = at('stage').getBoundingClientRect();
+      return [...document.querySelectorAll('#sides .verdict')].every((p) => {
+        const r = p.getBoundingClientRect();
+        return r.left >= box.left && r.right <= box.right && r.bottom <= at('message').getBoundingClientRect().top + 1;
+      });)js"),
+              true)
+        << width << "x" << height;
+    if (const char* kept = std::getenv("IM2FIT_SCREENSHOTS"))
+      test::write_text(fmt::format("{}/sides-{}.png", kept, width), browser_->screenshot());
+  }
+  // From behind the small one is on the right, and so are its words.
+  browser_->run("stage.camera.position.set(0, 1, -4); stage.orbit.update(); stage.draw()");
+  EXPECT_EQ(browser_->run(sides), (Json{"M: fits", "S: a bit tight at the waist"}));
+  const std::string axe = test::axe_script();
+  if (!axe.empty()) {
+    EXPECT_EQ(test::axe_violations(*browser_, axe), Json::array());
+  }
+  browser_->run("at('fitting-compare').click()");
+  EXPECT_EQ(
+      browser_->run("return [at('sides').hidden, stage.beside, document.querySelectorAll('#tryon .verdict').length]"),
+      (Json{true, nullptr, 1}));
+  EXPECT_EQ(browser_->run("return stage.avatar.position.x"), 0);
+  EXPECT_EQ(browser_->run("return failures"), Json::array());
+}
+
+// A PNG of 2 x 1 pixels.
+constexpr std::array<unsigned char, 70> kLogo = {
+    0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00, 0x00,
+    0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x08, 0x02, 0x00, 0x00, 0x00, 0x7b, 0x40, 0xe8, 0xdd, 0x00, 0x00, 0x00,
+    0x0d, 0x49, 0x44, 0x41, 0x54, 0x78, 0xda, 0x63, 0xa8, 0x92, 0xb7, 0x05, 0x22, 0x00, 0x06, 0x5b, 0x01, 0xad,
+    0xb3, 0xc0, 0xc8, 0x87, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+
+// A shop's name, logo and colours, and whom the consent names: on every screen, in every language.
+TEST_F(Screens, AShopsPageHasItsNameAndItsConsent) {
+  apps::Shop shop;
+  shop.name = "Müller & Söhne, Mode seit 1899";
+  shop.accent = {"#7a1f3d", "#f2a7bd"};
+  shop.logo = std::string(kLogo.begin(), kLogo.end());
+  shop.consent = {"7",
+                  "Müller & Söhne GmbH, Hauptstraße 1, 10115 Berlin",
+                  {{"en", "to find your size {contact}"}, {"de", "um Ihre Größe zu finden"}},
+                  "datenschutz@mueller.example"};
+  std::string text;
+  apps::LivePageSettings settings;
+  settings.shop = shop;
+  settings.hand_over = {"127.0.0.1", 0};
+  settings.consented = [&](std::uint64_t, const std::string& accepted) { text = accepted; };
+  test::ShownPage page(settings);
+  ASSERT_NO_FATAL_FAILURE(open(page));
+  const auto points = [&](const std::string& language) {
+    browser_->run("words.language = '" + language + "'; showTexts()");
+    return browser_->run("return at('consent-points').innerText").get<std::string>();
+  };
+  EXPECT_THAT(points("de"), testing::AllOf(testing::HasSubstr("Es misst: Müller & Söhne GmbH, Hauptstraße 1"),
+                                           testing::HasSubstr("Wofür: um Ihre Größe zu finden"),
+                                           testing::HasSubstr("datenschutz@mueller.example")));
+  EXPECT_THAT(points("fr"), testing::HasSubstr("Dans quel but : to find your size {contact}"));
+  EXPECT_EQ(browser_->run("return [document.title, at('shop').textContent, at('brand').hidden]"),
+            (Json{"Müller & Söhne, Mode seit 1899", "Müller & Söhne, Mode seit 1899", false}));
+  EXPECT_TRUE(browser_->wait_for("return at('logo').naturalWidth === 2"));
+  for (const auto& [scheme, colour] : {std::pair{"light", "rgb(122, 31, 61)"}, {"dark", "rgb(242, 167, 189)"}}) {
+    test::prefer_colours(*browser_, scheme);
+    EXPECT_EQ(browser_->run("return getComputedStyle(at('agree')).backgroundColor"), colour) << scheme;
+  }
+  test::prefer_colours(*browser_, "light");
+  const std::string axe = test::axe_script();
+  const auto look = [&](const char* name) {
+    for (const auto& [width, height] : kScreens) {
+      browser_->resize(width, height);
+      EXPECT_EQ(browser_->run(kAllFaults), Json::array()) << name << " on " << width << "x" << height;
+      if (!axe.empty()) {
+        EXPECT_EQ(test::axe_violations(*browser_, axe), Json::array()) << name << " on " << width;
+      }
+      if (const char* kept = std::getenv("IM2FIT_SCREENSHOTS"))
+        test::write_text(fmt::format("{}/shop-{}-{}.png", kept, name, width), browser_->screenshot());
+    }
+  };
+  look("welcome");
+  browser_->run("words.language = 'de'; showTexts()");
+  ASSERT_NO_FATAL_FAILURE(agree());
+  EXPECT_EQ(text, "de-2+7");
+  page.measured(987.6);
+  ASSERT_TRUE(shows("DONE"));
+  look("result");
+  EXPECT_EQ(browser_->run("return failures"), Json::array());
 }
 
 // Who is recorded sees it from the consent on, in every language; nothing says that what is kept will be deleted.

@@ -130,6 +130,7 @@ class ShownPage {
     }
     return all;
   }
+  apps::Json more_of_result = apps::Json::object();  // of measured()
   // A result of this chest girth. `known`: as in result.json.
   void measured(double chest_mm, const std::string& out = "", const apps::Json& known = nullptr,
                 bool corrected = false) {
@@ -143,6 +144,7 @@ class ShownPage {
     }
     result["fit"] = fits();
     if (!known.is_null()) result["known"] = known;
+    result.merge_patch(more_of_result);
     apps::Json event = {{"event", "measured"}, {"frame", 1}, {"person", 1}, {"result", std::move(result)}};
     if (corrected) event["corrected"] = true;
     if (!out.empty()) event["out"] = out;

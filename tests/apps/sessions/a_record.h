@@ -16,7 +16,8 @@ inline sessions::Record a_record() {
   record.id = "20260504-123000-abcdefgh";
   record.started_utc = "2026-05-04T12:30:00Z";
   record.person = "P017";
-  record.consent = {"operator-de-1", "de", std::string(64, 'a'), "2026-05-04T12:29:50Z"};
+  record.consent = {"operator-de-1", "de",  std::string(64, 'a'), "2026-05-04T12:29:50Z",
+                    "Shop",          "fit", "shop@x.example"};
   record.truth.height_mm = 1743;
   record.truth.weight_kg = 72.5;
   record.truth.age_years = 41;
@@ -29,7 +30,7 @@ inline sessions::Record a_record() {
   record.camera = {"structured-light", "Kinect", 480, 640, 575.5, 575.25, 239.5, 319.5};
   record.site = "shop 3";
   record.versions = {"1.0.0", "0123abcd", "4567cdef", "89ab0123"};
-  record.settings = {20, "back", "none", "bare", "auto"};
+  record.settings = {20, "back", "none", "bare", "auto", "-0.6,1.5,0.6,3"};
   return record;
 }
 

@@ -109,6 +109,7 @@ TEST(SessionRecord, ErrorsNameFileAndField) {
       {changed([](Json& j) { j["camera"].erase("fx"); }), "camera.fx is missing"},
       {changed([](Json& j) { j["settings"]["frames"] = 0; }), "settings.frames is not a whole number of 1 to 65535"},
       {changed([](Json& j) { j["settings"]["turn"] = 1; }), "settings.turn is not none, back, around or walk"},
+      {changed([](Json& j) { j["settings"]["region"] = "0.6,1.5,-0.6,3"; }), "settings.region is not x0,z0,x1,z1"},
       {changed([](Json& j) { j["started_utc"] = "yesterday"; }), "started_utc"},
       {changed([](Json& j) { j["schema"] = "im2fit.session/2"; }), "expected \"im2fit.session/1\""},
       {changed([](Json& j) { j["notes"] = std::string(5000, 'x'); }), "notes has 5000 bytes"},
