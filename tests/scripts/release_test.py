@@ -6,6 +6,7 @@ import io
 import json
 import os
 import pathlib
+import shutil
 import struct
 import subprocess
 import sys
@@ -141,7 +142,8 @@ class Release(unittest.TestCase):
         # Every tool is there, and none does anything but git.
         tools = self.place / "tools"
         tools.mkdir()
-        for tool in ["xz", "cmake", "dpkg-deb", "dpkg-shlibdeps", "lintian", "javac", "kotlinc", "sha256sum"]:
+        for tool in ["xz", "cmake", "dpkg-deb", "dpkg-shlibdeps", "lintian", "javac", "kotlinc", "sha256sum",
+                     "aarch64-linux-gnu-g++", "arm-linux-gnueabihf-g++", "clang++-14", "ld.lld-14", "npm"]:
             (tools / tool).write_text(f"#!/bin/sh\necho {tool} >> {self.place}/called\nexit 1\n")
             (tools / tool).chmod(0o755)
         self.environment = {**os.environ, "PATH": f"{tools}:{os.environ['PATH']}", "GIT_CEILING_DIRECTORIES": holder.name}
@@ -190,6 +192,18 @@ class Release(unittest.TestCase):
         self.assertIn("section [1.0.0] has no date", self.refusal("out")[1])
         self.change_log("## [0.9.0] – 2026-12-01")
         self.assertIn("has no section [1.0.0]", self.refusal("out", "--trial")[1])
+
+    def test_a_tool_that_is_missing(self):
+        # A path with links to what the script needs before it looks, and git, python3: nothing else.
+        bare = self.place / "bare"
+        bare.mkdir()
+        for tool in ["bash", "git", "python3", "sed", "grep", "dirname", "basename", "realpath", "nproc"]:
+            (bare / tool).symlink_to(shutil.which(tool))
+        self.environment["PATH"] = str(bare)
+        code, text = self.refusal("out", "--without", "aar", "--without", "firmware")
+        self.assertEqual((code, text), (1, "release: needs xz cmake dpkg-deb dpkg-shlibdeps lintian javac kotlinc sha256sum "
+                                           "(scripts/deps build test arm package kotlin android)\n"))
+        self.assertIn("arm-linux-gnueabihf-g++ (scripts", self.refusal("out", "--without", "aar")[1])
 
     def test_no_cc0_source(self):
         nowhere = f"file://{self.place}/nowhere.git"
