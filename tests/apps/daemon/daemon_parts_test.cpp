@@ -95,7 +95,7 @@ TEST_F(DaemonConfig, WhatIsWrongIsOneLineWithItsNumber) {
       {"\n\nrotate: 45\n", "line 3: rotate is \"45\", expected 0, 90, 180 or 270"},
       {"rotate: [0]\n", "line 1: rotate"},
       {"measure: {turn: perhaps}\n", "measure.turn is \"perhaps\", expected none, back, around or walk"},
-      {"measure: {sensor: lidar}\n", "expected one of auto, structured-light, time-of-flight"},
+      {"measure: {sensor: lidar}\n", "expected one of auto, structured-light, time-of-flight, stereo"},
       {"measure: {calibration: tpose}\n", "expected one of none, psi"},
       {"measure: 5\n", "line 1: measure holds no"},
       {"measure: {size_charts: a.csv}\n", "measure.size_charts is not a list"},
