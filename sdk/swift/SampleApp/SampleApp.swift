@@ -90,7 +90,7 @@ struct MeasuringScreen: View {
     }
 }
 
-/// A ring that fills as the person turns, to the side they turn to.
+/// A ring that fills as the person turns: clockwise to the person's left, the other way to the right.
 struct TurnRing: View {
     let turnedDeg: Float
 

@@ -108,7 +108,7 @@ fun MeasuringScreen(progress: Progress?, mask: Mask?, language: String, actions:
     }
 }
 
-/** A ring that fills as the person turns, to the side they turn to. */
+/** A ring that fills as the person turns. */
 @Composable
 fun TurnRing(turnedDeg: Float) {
     Canvas(modifier = Modifier.fillMaxSize().padding(48.dp)) {
@@ -116,7 +116,7 @@ fun TurnRing(turnedDeg: Float) {
         val corner = Offset((size.width - side) / 2, (size.height - side) / 2)
         val stroke = Stroke(width = side / 24)
         drawArc(Color.DarkGray, -90f, 360f, false, topLeft = corner, size = Size(side, side), style = stroke)
-        // Positive: to the person's left, clockwise from above.
+        // A turn to the person's left, which is positive, fills it clockwise; one to the right the other way.
         drawArc(
             Color.Green, -90f, turnedDeg.coerceIn(-360f, 360f), false, topLeft = corner, size = Size(side, side),
             style = stroke
