@@ -35,6 +35,7 @@ static_assert(IM2FIT_STATE_TURNING == static_cast<int>(im2fit::SessionState::tur
 static_assert(IM2FIT_VIEWS_AROUND == static_cast<int>(im2fit::AnswerViews::around));
 static_assert(IM2FIT_SENSOR_UNKNOWN == static_cast<int>(im2fit::SensorKind::unknown));
 static_assert(IM2FIT_SENSOR_TIME_OF_FLIGHT == static_cast<int>(im2fit::SensorKind::time_of_flight));
+static_assert(IM2FIT_SENSOR_STEREO == static_cast<int>(im2fit::SensorKind::stereo));
 static_assert(IM2FIT_USER_COUNT_MAX == im2fit::kUserCountMax);
 static_assert(IM2FIT_VIEW_UNKNOWN == static_cast<int>(im2fit::ViewSide::unknown));
 static_assert(IM2FIT_VIEW_SIDE == static_cast<int>(im2fit::ViewSide::side));

@@ -86,7 +86,7 @@ Status check_settings(const im2fit_settings& s) {
       {"user_id", s.user_id, 0, std::numeric_limits<std::int32_t>::max()},
       {"turn", s.turn, IM2FIT_TURN_NONE, IM2FIT_TURN_WALK},
       {"clothing", s.clothing, IM2FIT_CLOTHING_UNKNOWN, IM2FIT_CLOTHING_DRESSED},
-      {"sensor", s.sensor, IM2FIT_SENSOR_UNKNOWN, IM2FIT_SENSOR_TIME_OF_FLIGHT},
+      {"sensor", s.sensor, IM2FIT_SENSOR_UNKNOWN, IM2FIT_SENSOR_STEREO},
   };
   for (const Field& field : fields)
     if (field.value < field.low || field.value > field.high)

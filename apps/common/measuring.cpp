@@ -16,7 +16,7 @@ namespace {
 
 // None: auto.
 std::optional<SensorKind> named_sensor(const std::string& name) {
-  for (const SensorKind kind : {SensorKind::structured_light, SensorKind::time_of_flight})
+  for (const SensorKind kind : {SensorKind::structured_light, SensorKind::time_of_flight, SensorKind::stereo})
     if (name == name_of(kind)) return kind;
   return std::nullopt;
 }

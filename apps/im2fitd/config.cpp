@@ -23,7 +23,7 @@ struct Wrong {
   std::string what;
   bool named = false;  // the key is in it
 };
-const std::set<std::string> kMaps = {"measure", "socket"};
+const std::set<std::string> kMaps = {"measure", "consent", "socket"};
 
 // Reads a value or throws Wrong; YAML's own exceptions mean that the value is of another kind.
 using Reader = std::function<void(const YAML::Node&)>;
@@ -52,6 +52,13 @@ Reader whole(int& field, int low, int high) {
       refuse(node, "is " + shown(node) + ", expected a whole number from " + std::to_string(low) + " to " +
                        std::to_string(high));
     field = value;
+  };
+}
+
+Reader yes_or_no(bool& field) {
+  return [&field](const YAML::Node& node) {
+    if (!node.IsScalar() || !YAML::convert<bool>::decode(node, field))
+      refuse(node, "is " + shown(node) + ", expected true or false");
   };
 }
 
@@ -158,6 +165,8 @@ Config interpret(const YAML::Node& root) {
                            {"region", region(m.region)},
                            {"size_charts", texts(m.size_charts)},
                            {"calibration_site", text(m.site)}};
+  const Readers consent = {{"ask", yes_or_no(config.consent_ask)},
+                           {"absent_s", whole(config.consent_absent_s, 1, 3600)}};
   const Readers socket = {{"path", text(config.socket_path, false)},
                           {"mode", mode(config.socket_mode)},
                           {"group", text(config.socket_group)},
@@ -170,6 +179,7 @@ Config interpret(const YAML::Node& root) {
                        {"tracker", text(m.tracker, false)},
                        {"index", text(m.index, false)},
                        {"measure", [&](const YAML::Node& node) { read_map(node, "measure", measure); }},
+                       {"consent", [&](const YAML::Node& node) { read_map(node, "consent", consent); }},
                        {"socket", [&](const YAML::Node& node) { read_map(node, "socket", socket); }},
                        {"state_directory", text(config.state_directory)}};
   read_map(root, "", top);

@@ -16,6 +16,8 @@ struct Config {
   std::string camera_yaml;  // "": the camera's own
   std::string body = default_body_path();
   apps::MeasuringOptions measuring;
+  bool consent_ask = false;   // nobody is looked at until a client says that the person consents
+  int consent_absent_s = 30;  // consent ends when no person is in view for that long
   std::string socket_path = "/run/im2fitd/events.sock";
   unsigned socket_mode = 0660;
   std::string socket_group;  // "": the process's

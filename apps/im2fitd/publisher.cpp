@@ -8,6 +8,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -113,7 +114,7 @@ void Publisher::serve(const std::string& greeting) {
       log(Level::warning, "a client was refused: " + std::to_string(clients_.size()) + " are connected");
       continue;
     }
-    clients_.push_back({fd, ++accepted_, greeting, {}, false, 0});
+    clients_.push_back({fd, ++accepted_, greeting, {}, false, 0, 0, 0});
     if (!receive(clients_.back())) clients_.pop_back();
   }
   for (auto it = clients_.begin(); it != clients_.end();) it = send(*it) ? std::next(it) : clients_.erase(it);
@@ -178,12 +179,28 @@ void Publisher::answer(std::uint64_t client, const std::string& line) {
   }
 }
 
+void Publisher::answer_long(std::uint64_t client, const std::string& line) {
+  for (Client& one : clients_) {
+    if (one.number != client) continue;
+    one.owed = one.waiting.size() + line.size();
+    one.long_bytes = line.size();
+  }
+  answer(client, line);
+}
+
+bool Publisher::owes(std::uint64_t client) const {
+  for (const Client& one : clients_)
+    if (one.number == client) return one.owed > 0;
+  return false;
+}
+
 bool Publisher::send(Client& client) {
   while (!client.waiting.empty()) {
     const ssize_t count =
         ::send(client.fd, client.waiting.data(), client.waiting.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (count > 0) {
       client.waiting.erase(0, static_cast<std::size_t>(count));
+      client.owed -= std::min(client.owed, static_cast<std::size_t>(count));
       continue;
     }
     if (count < 0 && errno == EINTR) continue;
@@ -191,7 +208,8 @@ bool Publisher::send(Client& client) {
     let_go(client);
     return false;
   }
-  if (client.waiting.size() <= options_.client_buffer_bytes) return true;
+  const std::size_t allowed = std::min(client.owed, client.long_bytes);
+  if (client.waiting.size() - allowed <= options_.client_buffer_bytes) return true;
   ++dropped_;
   log(Level::warning, "client " + std::to_string(client.number) + " reads too slowly and was dropped");
   ::close(client.fd);

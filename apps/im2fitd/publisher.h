@@ -48,6 +48,10 @@ class Publisher {
   std::vector<ClientLine> take_lines();
   // To that client alone; nothing when it has gone.
   void answer(std::uint64_t client, const std::string& line);
+  // The same of an answer that may be longer than client_buffer_bytes: until it is read it does not count there. One
+  // at a time: not while owes().
+  void answer_long(std::uint64_t client, const std::string& line);
+  bool owes(std::uint64_t client) const;  // a long answer that the client has not read whole
   // Waits up to `timeout_ms` for clients to take the pending lines. For the end of the program.
   void flush(int timeout_ms);
 
@@ -58,10 +62,12 @@ class Publisher {
   struct Client {
     int fd = -1;
     std::uint64_t number = 0;
-    std::string waiting;    // not yet taken by the system
-    std::string sent;       // by the client, up to the next line end
-    bool too_long = false;  // the line being sent
-    std::size_t lines = 0;  // waiting to be taken
+    std::string waiting;         // not yet taken by the system
+    std::string sent;            // by the client, up to the next line end
+    bool too_long = false;       // the line being sent
+    std::size_t lines = 0;       // waiting to be taken
+    std::size_t owed = 0;        // of `waiting`, up to the end of a long answer
+    std::size_t long_bytes = 0;  // of that answer alone
   };
   explicit Publisher(PublisherOptions options) : options_(std::move(options)) {}
   bool send(Client& client);     // false: gone or too slow, and closed

@@ -64,7 +64,7 @@ std::array<float, kSensorTraits> sensor_traits(const SensorSigns& signs, float d
   if (signs.edges_restored) return {0, pixel_mm, 1, pixel_mm, 0, 0};
   const float z = std::max(distance_mm / 1000.0F, kNearestM);
   Shares s;
-  if (kind == SensorKind::structured_light) {
+  if (kind == SensorKind::structured_light || kind == SensorKind::stereo) {
     s.kinect = 1;
   } else if (kind == SensorKind::time_of_flight) {
     s.tof = 1;

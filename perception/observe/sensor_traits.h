@@ -26,7 +26,9 @@ struct SensorSigns {
 //   a pixel's width at the person, mm
 //   1 for a sensor without noise; that times the pixel's width
 //   1 for time of flight; that times the pixel's width
-// Those two and a Kinect share out one. A kind that is known is taken at its word. Else
+// Those two and a Kinect share out one. A kind that is known is taken at its word. Stereo counts as a Kinect, the
+// nearest kind that models have learned: both measure disparity, so noise grows with the square of the distance, and
+// both lose a strip on one side of a person, which one of two views does not see. Else
 //   a sensor that loses more pixels on one side (0.10 to 0.16) projects patterns: a Kinect;
 //   without noise is a sensor that shows none (up to 1 mm, falling to 0 at 2) and loses none (3 to 8 in 100);
 //   a Kinect and time of flight differ in where the noise lies between the published figures of both: a Kinect 0.5

@@ -99,9 +99,9 @@ static void opening_fails_cleanly(void) {
   s.men_chart_path = "/nonexistent/chart.csv";
   CHECK(im2fit_open(&s, &handle) == IM2FIT_ERROR_INVALID_ARGUMENT);
   CHECK(strstr(im2fit_last_error(NULL), "women_chart_path") != NULL);
-  s.sensor = 3;
+  s.sensor = 4;
   CHECK(im2fit_open(&s, &handle) == IM2FIT_ERROR_INVALID_ARGUMENT);
-  CHECK(strstr(im2fit_last_error(NULL), "settings.sensor is 3") != NULL);
+  CHECK(strstr(im2fit_last_error(NULL), "settings.sensor is 4") != NULL);
   s.struct_size = 8;
   CHECK(im2fit_open(&s, &handle) == IM2FIT_ERROR_UNSUPPORTED);
   struct {

@@ -62,7 +62,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         if (i % 2 == 0)
           for (const ClientLine& line : (*publisher)->take_lines()) {
             if (line.text.size() > kClientLineMax || line.text.find('\n') != std::string::npos) __builtin_trap();
-            (*publisher)->answer(line.client, "{}\n");
+            if (i % 4 == 0 && !(*publisher)->owes(line.client))
+              (*publisher)->answer_long(line.client, std::string(20'000, ' ') + "{}\n");
+            else
+              (*publisher)->answer(line.client, "{}\n");
           }
     }
     if ((*publisher)->clients() > 3) __builtin_trap();

@@ -120,6 +120,9 @@ TEST(SensorTraits, AKnownKindIsTakenAtItsWord) {
     }
   }
   EXPECT_EQ(sensor_traits({9, kNaN, 0}, 2300, kFocalPx, SensorKind::structured_light)[kNoise], 9);
+  for (const SensorSigns& losses : {kKinectLosses, kTofLosses, kNoLosses, kUnseen})
+    EXPECT_EQ(sensor_traits(with_noise(losses, 3.2F), 2300, kFocalPx, SensorKind::stereo),
+              sensor_traits(with_noise(losses, 3.2F), 2300, kFocalPx, SensorKind::structured_light));
   EXPECT_EQ(sensor_traits({12, kNaN, 0}, 2300, kFocalPx, SensorKind::time_of_flight)[kTof], 1);
 }
 

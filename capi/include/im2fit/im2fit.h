@@ -149,7 +149,8 @@ typedef struct im2fit_settings {
 typedef enum im2fit_sensor {
   IM2FIT_SENSOR_UNKNOWN = 0,          /* estimated from the frames; docs/cameras lists where that is not enough */
   IM2FIT_SENSOR_STRUCTURED_LIGHT = 1, /* Kinect for Xbox 360, Xtion, Astra */
-  IM2FIT_SENSOR_TIME_OF_FLIGHT = 2    /* Kinect v2, Azure Kinect */
+  IM2FIT_SENSOR_TIME_OF_FLIGHT = 2,   /* Kinect v2, Azure Kinect */
+  IM2FIT_SENSOR_STEREO = 3 /* RealSense D400, OAK-D. Counts as structured light, the nearest kind learned */
 } im2fit_sensor;
 
 /* What is measured besides the front. */

@@ -61,7 +61,8 @@ class FakeImage(private val bytes: Int = 2 * WIDTH * HEIGHT, private val onPlane
     }
 }
 
-class FakeCameras : CameraManager() {
+/** @param focal of a picture four times as large, px */
+class FakeCameras(private val focal: Float = 1000f) : CameraManager() {
     var opened: CameraDevice.StateCallback? = null
     override fun getCameraIdList() = arrayOf("0")
     override fun getCameraCharacteristics(id: String) = object : CameraCharacteristics() {
@@ -75,7 +76,7 @@ class FakeCameras : CameraManager() {
                     override fun getHeight() = HEIGHT
                 })
             }
-            LENS_INTRINSIC_CALIBRATION -> floatArrayOf(1000f, 1000f, 639.5f, 479.5f, 0f)
+            LENS_INTRINSIC_CALIBRATION -> floatArrayOf(focal, focal, 639.5f, 479.5f, 0f)
             SENSOR_INFO_PRE_CORRECTION_ACTIVE_ARRAY_SIZE -> object : Rect() {
                 override fun width() = 4 * WIDTH
             }

@@ -368,6 +368,7 @@ fun main(arguments: Array<String>) {
         fails<IllegalStateException> { session.push(clip.frames().first()) }
     }
     feederTests(models)
+    sampleAppTests(models, clip)
     test("two hundred sessions") {
         repeat(200) { FitSession(clip.camera, models, quick.copy(singleThread = true)).close() }
     }

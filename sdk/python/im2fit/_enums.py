@@ -108,11 +108,13 @@ class Turn(_Number):
 
 
 class Sensor(_Number):
-    """How a camera senses depth. UNKNOWN: estimated from the frames."""
+    """How a camera senses depth. UNKNOWN: estimated from the frames. STEREO (RealSense D400, OAK-D) counts as structured
+    light, the nearest kind that models have learned."""
 
     UNKNOWN = 0
     STRUCTURED_LIGHT = 1
     TIME_OF_FLIGHT = 2
+    STEREO = 3
 
 
 class Clothing(_Number):

@@ -42,6 +42,8 @@ TEST_F(DaemonConfig, TheFileThatIsInstalledSaysTheDefaults) {
   EXPECT_EQ(shipped->measuring.threads, d.measuring.threads);
   EXPECT_EQ(shipped->measuring.size_charts, d.measuring.size_charts);
   EXPECT_EQ(shipped->measuring.site, d.measuring.site);
+  EXPECT_EQ(shipped->consent_ask, d.consent_ask);
+  EXPECT_EQ(shipped->consent_absent_s, d.consent_absent_s);
   EXPECT_EQ(shipped->socket_path, d.socket_path);
   EXPECT_EQ(shipped->socket_mode, d.socket_mode);
   EXPECT_EQ(shipped->socket_group, d.socket_group);
@@ -56,6 +58,7 @@ TEST_F(DaemonConfig, EveryKeyIsTaken) {
       "source: v4l2:/dev/video0\nrotate: 270\ncamera: c.yaml\nbody: b\ntracker: t\nindex: i\n"
       "measure: {frames: 7, calibration: psi, turn: true, clothing: dressed, sensor: time-of-flight,\n"
       " threads: 1, size_charts: [a.csv, b.csv], calibration_site: shop.i2c}\n"
+      "consent: {ask: true, absent_s: 45}\n"
       "socket:\n  path: /x\n  mode: \"0666\"\n  group: video\n  clients: 3\n  client_buffer_kib: 17\n"
       "state_directory: /s\n");
   ASSERT_TRUE(c) << c.error().message;
@@ -71,6 +74,8 @@ TEST_F(DaemonConfig, EveryKeyIsTaken) {
   EXPECT_EQ(c->measuring.threads, 1);
   EXPECT_EQ(c->measuring.size_charts, (std::vector<std::string>{"a.csv", "b.csv"}));
   EXPECT_EQ(c->measuring.site, "shop.i2c");
+  EXPECT_TRUE(c->consent_ask);
+  EXPECT_EQ(c->consent_absent_s, 45);
   EXPECT_EQ(c->socket_path, "/x");
   EXPECT_EQ(c->socket_mode, 0666U);
   EXPECT_EQ(c->socket_group, "video");
@@ -90,10 +95,12 @@ TEST_F(DaemonConfig, WhatIsWrongIsOneLineWithItsNumber) {
       {"\n\nrotate: 45\n", "line 3: rotate is \"45\", expected 0, 90, 180 or 270"},
       {"rotate: [0]\n", "line 1: rotate"},
       {"measure: {turn: perhaps}\n", "measure.turn is \"perhaps\", expected none, back, around or walk"},
-      {"measure: {sensor: lidar}\n", "expected one of auto, structured-light, time-of-flight"},
+      {"measure: {sensor: lidar}\n", "expected one of auto, structured-light, time-of-flight, stereo"},
       {"measure: {calibration: tpose}\n", "expected one of none, psi"},
       {"measure: 5\n", "line 1: measure holds no"},
       {"measure: {size_charts: a.csv}\n", "measure.size_charts is not a list"},
+      {"consent: {ask: perhaps}\n", "consent.ask is \"perhaps\", expected true or false"},
+      {"consent:\n  absent_s: 0\n", "line 2: consent.absent_s is \"0\", expected a whole number from 1 to 3600"},
       {"socket: {mode: 999}\n", "socket.mode is \"999\", expected three octal digits"},
       {"socket: {path: ''}\n", "socket.path is empty, expected a text"},
       {"source:\n", "line 1: source is empty"},

@@ -45,7 +45,8 @@ class DepthFeeder(
     private val id = cameras.cameraIdList.firstOrNull { hasDepth(cameras.getCameraCharacteristics(it)) }
         ?: throw UnsupportedOperationException("no back camera of this device delivers DEPTH16")
     private val camera = cameraOf(cameras.getCameraCharacteristics(id))
-    private val session = FitSession(camera, models, settings)
+    /** For [FitSession.mask], [FitSession.finish] and the like, from any thread. Closed by [close]. */
+    val session = FitSession(camera, models, settings)
     private val reader = ImageReader.newInstance(camera.width, camera.height, ImageFormat.DEPTH16, 2)
     // close() may come from another thread in the middle of any callback.
     private val lock = Any()
@@ -144,14 +145,20 @@ class DepthFeeder(
         }
     }
 
-    private companion object {
-        fun hasDepth(about: CameraCharacteristics): Boolean =
+    companion object {
+        /** Whether this device has a camera for this class. Needs no permission: ask before anybody undresses. */
+        fun isAvailable(context: Context): Boolean {
+            val cameras = context.getSystemService(Context.CAMERA_SERVICE) as CameraManager
+            return cameras.cameraIdList.any { hasDepth(cameras.getCameraCharacteristics(it)) }
+        }
+
+        private fun hasDepth(about: CameraCharacteristics): Boolean =
             about.get(CameraCharacteristics.LENS_FACING) == CameraCharacteristics.LENS_FACING_BACK &&
                 about.get(CameraCharacteristics.SCALER_STREAM_CONFIGURATION_MAP)?.getOutputSizes(ImageFormat.DEPTH16)
                     ?.isNotEmpty() == true
 
         /** The largest picture up to 640 pixels wide, with the lens calibration scaled to it. */
-        fun cameraOf(about: CameraCharacteristics): CameraModel {
+        private fun cameraOf(about: CameraCharacteristics): CameraModel {
             val sizes = about.get(CameraCharacteristics.SCALER_STREAM_CONFIGURATION_MAP)!!.getOutputSizes(ImageFormat.DEPTH16)
             val size = sizes.filter { it.width <= 640 }.maxBy { it.width } ?: sizes.minBy { it.width }!!
             val lens = about.get(CameraCharacteristics.LENS_INTRINSIC_CALIBRATION)

@@ -78,6 +78,7 @@ public enum DepthSensor: Int32 {
     case judged = 0     // from the frames
     case structuredLight = 1
     case timeOfFlight = 2
+    case stereo = 3     // RealSense D400, OAK-D
 }
 
 /// Settings of a session. The defaults are the library's, except `live`.

@@ -70,7 +70,7 @@ enum class Turn {
 }
 
 /** How the camera senses depth. JUDGED: estimated from the frames. Order of IM2FIT_SENSOR_... */
-enum class Sensor { JUDGED, STRUCTURED_LIGHT, TIME_OF_FLIGHT }
+enum class Sensor { JUDGED, STRUCTURED_LIGHT, TIME_OF_FLIGHT, STEREO }
 
 /**
  * Settings of a session. The defaults are the library's, except [live].

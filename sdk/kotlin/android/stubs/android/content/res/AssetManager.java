@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
+// Only what sample-app names of it, to compile against.
+package android.content.res;
+
+public final class AssetManager {
+  public AssetFileDescriptor openFd(String name) throws java.io.IOException { return null; }
+}

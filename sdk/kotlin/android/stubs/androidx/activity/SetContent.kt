@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+// What sample-app uses of Jetpack Compose, as it is declared there, without what is behind it. Function types lack their
+// @Composable, which Kotlin 1.3 cannot read.
+@file:Suppress("UNUSED_PARAMETER")
+
+package androidx.activity.compose
+
+import androidx.activity.ComponentActivity
+import androidx.compose.runtime.CompositionContext
+
+fun ComponentActivity.setContent(parent: CompositionContext? = null, content: () -> Unit) = Unit

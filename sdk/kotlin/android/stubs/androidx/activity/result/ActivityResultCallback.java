@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
+// Only what sample-app names of it, to compile against.
+package androidx.activity.result;
+
+public interface ActivityResultCallback<O> {
+  void onActivityResult(O result);
+}

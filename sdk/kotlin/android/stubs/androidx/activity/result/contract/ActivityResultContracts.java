@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
+// Only what sample-app names of it, to compile against.
+package androidx.activity.result.contract;
+
+public final class ActivityResultContracts {
+  public static final class RequestPermission extends ActivityResultContract<String, Boolean> {}
+}
