@@ -248,7 +248,8 @@ Status conclude(SessionOutcome& outcome) {
   if (!taken) return taken;
   if (!outcome.person.result.measured && has(reported_guidance(outcome.person), Guidance::no_person))
     outcome.person.diagnosis =
-        diagnose(outcome.shown->depth(), source.info().intrinsics, &outcome.data.tracker->model());
+        hal::read_in_unit(diagnose(outcome.shown->depth(), source.info().intrinsics, &outcome.data.tracker->model()),
+                          source.info().unit_mm);
   return Ok{};
 }
 
