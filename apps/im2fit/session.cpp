@@ -185,7 +185,7 @@ DepthView ShownFrame::depth() const {
 
 Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch engine_watch, FrameTap::Watch watch) {
   // What is cheap to check comes before what takes long: the models' absence, the source, the folder, the models.
-  if (auto there = check_data_files(options.tracker, options.index, options.input.body); !there) return there.error();
+  if (auto there = check_models(options, options.input.body); !there) return there.error();
   InputOptions opening = options.input;
   opening.turn = turn_of(options.turn);
   opening.turn_after_frames = options.frames + kTurnSpareFrames;
