@@ -206,17 +206,6 @@ DepthDiagnosis depth_diagnosis(DepthView depth, const UnitJudge& judge) {
   return values.code != DiagnosisCode::none ? values : turned(depth);
 }
 
-DepthDiagnosis read_in_unit(DepthDiagnosis diagnosis, double unit_mm) {
-  if (unit_mm == 1) return diagnosis;
-  const std::string option = "--unit ";
-  const std::size_t at = diagnosis.text.find(option + number(static_cast<double>(diagnosis.unit_mm)));
-  diagnosis.unit_mm *= static_cast<float>(unit_mm);
-  if (at != std::string::npos)
-    diagnosis.text = "in units of " + number(unit_mm) + " mm " + diagnosis.text.substr(0, at) + option +
-                     number(static_cast<double>(diagnosis.unit_mm));
-  return diagnosis;
-}
-
 DepthDiagnosis intrinsics_diagnosis(const Intrinsics& k) {
   if (!(k.fx > 0 && k.fy > 0) || k.width < 1 || k.height < 1) return {};
   switch (lens_fault(k)) {
