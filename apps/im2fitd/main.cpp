@@ -31,6 +31,7 @@
 #include "hal/frame_path.h"
 #include "hal/open/open.h"
 #include "hal/source.h"
+#include "report/full_result.h"
 
 namespace im2fit::daemon {
 namespace {
@@ -290,8 +291,9 @@ Status Daemon::say_person(const EngineResult& result, const hal::Source& source)
   if (!person) return person.error();
   person->frames_damaged = source.stats().damaged;
   if (const std::string note = apps::body_note(*person); !note.empty()) log(Level::warning, note);
-  say(apps::measured_event(frames_, persons_, *person));
-  keep(result_json(*person));
+  const std::string text = full_result_json(*person, data_);
+  say(apps::measured_event(frames_, persons_, text));
+  keep(text);
   return Ok{};
 }
 
