@@ -53,6 +53,9 @@ constexpr GuidanceSet operator|(Guidance a, Guidance b) {
 constexpr bool has(GuidanceSet set, Guidance g) {
   return (set & static_cast<GuidanceSet>(g)) != 0;
 }
+// In a frame without a person found: someone is there all the same.
+inline constexpr GuidanceSet kThereButNotFound =
+    (Guidance::too_near | Guidance::step_to_the_middle) | static_cast<GuidanceSet>(Guidance::depth_missing);
 // The person's own arms, or-ed: which of them ARMS_CLOSE is about.
 using ArmSet = std::uint32_t;
 inline constexpr ArmSet kLeftArm = 1U << 0, kRightArm = 1U << 1;

@@ -52,7 +52,7 @@ struct Rest {
       : gate(width, height), mask(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
   void keep(const FrameSlot& slot) {
     detection = slot.detection;
-    empty = detection.user_count == 0 && !detection.person.found;
+    empty = detection.user_count == 0 && !detection.person.found && (detection.guidance & kThereButNotFound) == 0;
     std::memcpy(mask.data(), slot.mask.pixels, mask.size());
   }
   void repeat(FrameSlot& slot) const {

@@ -8,9 +8,6 @@ constexpr GuidanceSet bit(Guidance g) {
   return static_cast<GuidanceSet>(g);
 }
 
-constexpr GuidanceSet kThereButNotFound =
-    bit(Guidance::too_near) | bit(Guidance::step_to_the_middle) | bit(Guidance::depth_missing);
-
 // An absent person: flicker is waited for, a loss ends the attempt. What is accumulated is kept until a person
 // is found again, so that a stream that ends with an empty room still measures who stood there.
 SessionStep on_absence(const SessionRules& rules, SessionStep step, int periods) {

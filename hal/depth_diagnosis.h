@@ -56,6 +56,8 @@ using UnitJudge = std::function<float(float unit_mm)>;
 
 // It reads one pixel in 8 at most, and allocates; not for every frame.
 DepthDiagnosis depth_diagnosis(DepthView depth, const UnitJudge& judge = nullptr);
+// Of pixels that were read in this unit: what --unit must be in its place.
+DepthDiagnosis read_in_unit(DepthDiagnosis diagnosis, double unit_mm);
 // Of the intrinsics of an upright picture: none, centre or field_of_view.
 DepthDiagnosis intrinsics_diagnosis(const Intrinsics& intrinsics);
 

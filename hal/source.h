@@ -27,6 +27,7 @@ struct SourceInfo {
   SensorKind sensor = SensorKind::unknown;  // where the camera is known
   bool live = false;                        // live sources may drop frames; the others never do
   std::int64_t frame_count = -1;            // -1: not known or endless
+  double unit_mm = 1;  // of a folder's pixels as stored: what --unit replaces; frames are in millimetres
 };
 
 // From the axes of a frame (x right, y down, z forward) to those of a place at rest: directions by a unit quaternion,

@@ -27,7 +27,7 @@ ShownState shown_state(const EngineResult& result);
 Json state_event(std::uint64_t frame, const EngineResult& result);
 Json left_event(std::uint64_t frame, int person);
 // "result" holds what result.json does.
-Json measured_event(std::uint64_t frame, int person, const PersonMeasurement& measurement);
+Json measured_event(std::uint64_t frame, int person, const std::string& result);
 // The camera went away, was taken for another, came back, was given up.
 Json camera_event(const hal::ReconnectStats& stats, const hal::SourceInfo& source);
 // The same in words for a log.

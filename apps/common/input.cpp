@@ -96,6 +96,7 @@ Result<Input> open_input(const InputOptions& options) {
 #if IM2FIT_HAVE_LAB
   opening.synthetic = [&](const std::string& seed,
                           const hal::OpenOptions& o) -> Result<std::unique_ptr<hal::Source>> {
+    if (auto named = check_named_by_variable(options.body); !named) return named.error();
     lab::SyntheticActing acting;
     if (options.turn == Turn::back) acting.turn = lab::turn_after(options.turn_after_frames);
     if (options.turn == Turn::around) acting.step_round = lab::step_round_after(options.turn_after_frames);

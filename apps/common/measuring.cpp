@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "person/data_files.h"
 #include "person/dressing.h"
 #include "person/tape_file.h"
 
@@ -57,7 +58,14 @@ std::optional<int> user_of(const std::string& word) {
   return id;
 }
 
+Status check_models(const MeasuringOptions& options, const std::string& body) {
+  for (const std::string* path : {&options.tracker, &options.index, &body})
+    if (auto named = check_named_by_variable(*path); !named) return named;
+  return check_data_files(options.tracker, options.index, body);
+}
+
 Result<MeasuringData> load_measuring_data(const MeasuringOptions& options, const std::string& body) {
+  if (auto there = check_models(options, body); !there) return there.error();
   auto tape = load_tapes(options.tapes);
   if (!tape) return tape.error();
   auto data = im2fit::load_measuring_data({options.tracker, options.index, body, options.size_charts, options.site});

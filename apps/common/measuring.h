@@ -41,6 +41,8 @@ std::string region_fault(const std::string& text);
 // "nearest": 0, or an id; nothing: it is neither.
 std::optional<int> user_of(const std::string& word);
 
+// Whether the models can be opened; nothing is read. Errors name the variable that chose a missing one.
+Status check_models(const MeasuringOptions& options, const std::string& body);
 // The files of the options, and the tape: the shipped one with people's own.
 Result<MeasuringData> load_measuring_data(const MeasuringOptions& options, const std::string& body);
 

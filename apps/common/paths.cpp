@@ -81,6 +81,17 @@ std::string default_index_path() {
   return default_path("IM2FIT_INDEX", kIndexFile);
 }
 
+Status check_named_by_variable(const std::string& path) {
+  const std::string models = environment("IM2FIT_MODELS");
+  std::error_code code;
+  if (models.empty() || std::filesystem::exists(path, code)) return Ok{};
+  if (path == models) return Error{ErrorCode::not_found, "IM2FIT_MODELS names " + models + ", which does not exist"};
+  for (const char* file : {kBodyFile, kTrackerFile, kIndexFile})
+    if (path == models + "/" + file)
+      return Error{ErrorCode::not_found, "IM2FIT_MODELS names " + models + ", a directory without " + file};
+  return Ok{};
+}
+
 std::string made_body_path() {
   return or_else(environment("IM2FIT_BODY"), cache_directory() + "/" + kBodyFile);
 }

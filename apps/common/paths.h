@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/status.h"
 #include "formats/model_pack.h"
 
 namespace im2fit {
@@ -34,6 +35,8 @@ std::string path_among(const std::string& models, const std::string& file);
 std::string default_body_path();     // IM2FIT_BODY, else of IM2FIT_MODELS, else body.i2b
 std::string default_tracker_path();  // IM2FIT_TRACKER, else of IM2FIT_MODELS, else tracker.i2t
 std::string default_index_path();    // IM2FIT_INDEX, else of IM2FIT_MODELS, else index.i2f
+// Error, not_found: IM2FIT_MODELS is why there is nothing at that path; the message names both.
+Status check_named_by_variable(const std::string& path);
 // To make, and to make others from.
 std::string made_body_path();
 std::string made_tracker_path();

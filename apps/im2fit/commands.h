@@ -17,6 +17,7 @@ void add_tape(cli::App& app, Command& chosen);
 void add_try(cli::App& app, Command& chosen);
 void add_record(cli::App& app, Command& chosen);
 void add_convert(cli::App& app, Command& chosen);
+void add_compare(cli::App& app, Command& chosen);
 void add_sessions(cli::App& app, Command& chosen);
 
 }  // namespace im2fit::apps

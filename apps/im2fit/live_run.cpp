@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "formats/json_file.h"
+#include "report/full_result.h"
 
 namespace im2fit::apps {
 namespace {
@@ -200,7 +201,7 @@ class LiveRun {
         return written;
     }
     preview_.say(fmt::format("person {}: {}", persons_, summary(outcome_.person)));
-    Json event = measured_event(frames_, persons_, outcome_.person);
+    Json event = measured_event(frames_, persons_, full_result_json(outcome_.person, outcome_.data));
     if (!out.empty()) event["out"] = out;
     if (corrected) event["corrected"] = true;
     if (listener_ != nullptr)
@@ -233,7 +234,7 @@ class LiveRun {
       if (auto written = write_outputs(outcome_, options_.session.out, wanted_files(options_.session)); !written)
         return written.error();
     Json event = {{"event", "end"}, {"frame", frames_}, {"persons", 0}};
-    event["result"] = *parse_json<Json>(result_json(outcome_.person), "result.json");
+    event["result"] = *parse_json<Json>(full_result_json(outcome_.person, outcome_.data), "result.json");
     if (auto sent = publish(event); !sent) return sent.error();
     // Whoever stops a page, or its service, stops it between people: nothing has failed.
     if (listener_ != nullptr && interrupted()) return kExitOk;

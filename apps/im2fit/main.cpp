@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
     {"tape", add_tape},
     {"try", add_try},
     {"models", add_models},
+    {"compare", add_compare},
     {"sessions", add_sessions},
 #if IM2FIT_HAVE_PAGE
     {"serve", add_serve},

@@ -5,6 +5,7 @@
 
 #include "apps/common/progress.h"
 #include "apps/im2fit/commands.h"
+#include "apps/im2fit/preview_renderer.h"
 #include "apps/im2fit/session.h"
 
 namespace im2fit::apps {

@@ -12,6 +12,7 @@
 #include "core/file.h"
 #include "garment/drape/wear.h"
 #include "person/dressing.h"
+#include "report/full_result.h"
 #include "report/measurement_file.h"
 #include "report/overlay.h"
 #include "report/text_table.h"
@@ -128,8 +129,8 @@ Status write_avatar(const SessionOutcome& outcome, const std::string& directory,
 }
 
 Status write_result(const SessionOutcome& outcome, const std::string& directory) {
-  return write_file_atomically(directory + "/result.json", result_json(outcome.person, outcome.timing),
-                               Readable::by_owner);
+  return write_file_atomically(directory + "/result.json",
+                               full_result_json(outcome.person, outcome.data, outcome.timing), Readable::by_owner);
 }
 
 }  // namespace
@@ -357,7 +358,7 @@ Result<int> report_session(SessionOutcome& outcome, const SessionOptions& option
   if (!options.out.empty())
     if (const auto written = write_outputs(outcome, options.out, wanted_files(options)); !written)
       return written.error();
-  if (options.json) fmt::print("{}", result_json(outcome.person, outcome.timing));
+  if (options.json) fmt::print("{}", full_result_json(outcome.person, outcome.data, outcome.timing));
   if (const auto flushed = flush_output(); !flushed) return flushed.error();
   const std::string damage = damage_words(outcome);
   if (!result.measured) {

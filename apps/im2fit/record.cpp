@@ -45,6 +45,8 @@ class Follower {
  public:
   static Result<std::unique_ptr<Follower>> create(const RecordOptions& options, const hal::SourceInfo& source) {
     auto made = std::make_unique<Follower>();
+    for (const std::string* path : {&options.tracker, &options.input.body})
+      if (auto named = check_named_by_variable(*path); !named) return named.error();
     auto tracker = Tracker::load(options.tracker);
     if (!tracker) return tracker.error();
     made->tracker_ = std::make_unique<Tracker>(std::move(*tracker));

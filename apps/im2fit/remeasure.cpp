@@ -6,7 +6,7 @@
 #include "apps/im2fit/session.h"
 #include "apps/sessions/store.h"
 #include "formats/json_file.h"
-#include "report/result_json.h"
+#include "report/full_result.h"
 
 namespace im2fit::apps {
 
@@ -34,7 +34,8 @@ Result<Remeasured> remeasure(const RemeasureOptions& given) {
   if (!outcome) return outcome.error();
   if (!options.out.empty())
     if (const auto written = write_outputs(*outcome, options.out); !written) return written.error();
-  Remeasured done{std::move(*record), nullptr, *parse_json<Json>(result_json(outcome->person), "result.json")};
+  Remeasured done{std::move(*record), nullptr,
+                  *parse_json<Json>(full_result_json(outcome->person, outcome->data), "result.json")};
   const auto folder = sessions::folder_of(given.root, given.id);
   auto before = folder ? read_json<Json>(*folder + "/" + sessions::kResultFile, kTextBytesMax) : folder.error();
   if (before && before->is_object()) done.before = std::move(*before);

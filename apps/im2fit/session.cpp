@@ -185,7 +185,7 @@ DepthView ShownFrame::depth() const {
 
 Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch engine_watch, FrameTap::Watch watch) {
   // What is cheap to check comes before what takes long: the models' absence, the source, the folder, the models.
-  if (auto there = check_data_files(options.tracker, options.index, options.input.body); !there) return there.error();
+  if (auto there = check_models(options, options.input.body); !there) return there.error();
   InputOptions opening = options.input;
   opening.turn = turn_of(options.turn);
   opening.turn_after_frames = options.frames + kTurnSpareFrames;
@@ -248,7 +248,8 @@ Status conclude(SessionOutcome& outcome) {
   if (!taken) return taken;
   if (!outcome.person.result.measured && has(reported_guidance(outcome.person), Guidance::no_person))
     outcome.person.diagnosis =
-        diagnose(outcome.shown->depth(), source.info().intrinsics, &outcome.data.tracker->model());
+        hal::read_in_unit(diagnose(outcome.shown->depth(), source.info().intrinsics, &outcome.data.tracker->model()),
+                          source.info().unit_mm);
   return Ok{};
 }
 

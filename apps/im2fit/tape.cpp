@@ -240,6 +240,7 @@ Status draw(const Tape& tape, int index, const TapeOptions& options) {
   const bool svg = options.out.ends_with(".svg");
   if (!svg && !options.out.ends_with(".png"))
     return Error{ErrorCode::invalid_argument, options.out + ": pictures end in .svg or .png"};
+  if (auto named = check_named_by_variable(options.body); !named) return named.error();
   const auto model = load_body(options.body);
   if (!model) return model.error();
   body::Params params;

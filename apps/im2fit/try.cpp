@@ -110,6 +110,7 @@ Result<int> run(const TryOptions& options) {
   if (!pattern) return pattern.error();
   const auto charts = charts_of(options.size_charts);
   if (!charts) return charts.error();
+  if (auto named = check_named_by_variable(options.body); !named) return named.error();
   const auto model = load_body(options.body);
   if (!model) return model.error();
   const auto person = read_measured_body(options.result, *model);

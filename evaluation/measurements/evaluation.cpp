@@ -3,10 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <mutex>
 #include <optional>
+#include <string_view>
 #include <utility>
 
+#include "body/fatness.h"
+#include "body/measure.h"
 #include "core/rng.h"
 #include "evaluation/measurements/session.h"
 #include "train/camera/synthetic_person.h"
@@ -55,6 +59,29 @@ Subject heavy_enough(const body::BodyModel& model, const EvaluationOptions& opti
     subject = draw_subject(model, Family::held_out, options.seed, other);
   }
   return subject;
+}
+
+// The trunk's modifiers among those of body/fatness.h, in one direction until the waist has grown by that much.
+void grow_waist(const body::BodyModel& model, float by_mm, Subject& subject) {
+  constexpr std::string_view kTrunk[] = {"torso/torso-scale-horiz", "torso/torso-scale-depth",
+                                         "stomach/stomach-pregnant"};
+  constexpr std::size_t kWaist = measurement_index(Measurement::waist_girth);
+  constexpr int kSteps = 4;
+  const float goal_mm = subject.truth[kWaist] + by_mm;
+  std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
+  subject.params.modifiers.resize(model.modifier_names().size());
+  float step = 0.05F;  // a few centimetres of most waists
+  for (int i = 0; i < kSteps; ++i) {
+    for (const body::FatnessPart& part : body::kFatness)
+      if (std::find(std::begin(kTrunk), std::end(kTrunk), part.modifier) != std::end(kTrunk))
+        subject.params.modifiers[static_cast<std::size_t>(model.modifier_index(part.modifier))] += step * part.share;
+    const float before_mm = subject.truth[kWaist];
+    morph_subject(model, subject, rest);
+    subject.truth = body::measure_rest_mesh(model, rest, subject.params.gender);
+    const float grown_mm = subject.truth[kWaist] - before_mm;
+    if (grown_mm == 0) return;
+    step *= (goal_mm - subject.truth[kWaist]) / grown_mm;
+  }
 }
 
 KnownFacts reported_facts(const EvaluationOptions& options, const Subject& subject, std::uint64_t index) {
@@ -128,9 +155,12 @@ Result<Outcome> outcome_of(const SessionModels& models, const index::RawNearest*
   Outcome outcome;
   const HeldOutPerson person = draw_person(models.body, options, index);
   if (auto ok = measure_once(models, person, options.views, outcome); !ok) return ok.error();
-  if (options.twice)
-    if (auto ok = measure_again(models, draw_person(models.body, options, index, 1), options.views, outcome); !ok)
-      return ok.error();
+  if (options.twice) {
+    HeldOutPerson again = draw_person(models.body, options, index, 1);
+    if (options.second_waist_mm != 0 && !again.subject.actor)
+      grow_waist(models.body, options.second_waist_mm, again.subject);
+    if (auto ok = measure_again(models, again, options.views, outcome); !ok) return ok.error();
+  }
   if (raw != nullptr && outcome.measured && options.views == Views::front) {
     // The engine keeps its feature to itself; the same frames through the same path give it again.
     CaptureRig rig(models.body, models.joints);

@@ -70,6 +70,7 @@ struct EvaluationOptions {
   float known_weight_off_kg = 0;  // added to the weight reported, to either side by turns: is it doubted?
   bool fit = true;                // false: features answer alone, no shape is fitted
   bool twice = false;             // shown again in a new pose, room and noise
+  float second_waist_mm = 0;      // by so much the waist has grown then; not of the family other
   int threads = 1;                // does not change the result
   ProgressSink progress = {};
   PeopleFamily family = PeopleFamily::modifiers;

@@ -90,7 +90,6 @@ class FolderSource final : public Source {
   UprightPath path_;
   std::vector<Frame> frames_;
   std::size_t index_ = 0;
-  double unit_mm_ = 1;
   std::vector<std::byte> file_bytes_;
   DepthDecoder decoder_;
   std::string confidence_folder_;  // "": there is none

@@ -155,7 +155,7 @@ Result<std::unique_ptr<FolderSource>> FolderSource::open(const std::string& path
   if (options.unit_mm != 0 && !(options.unit_mm >= 0.001 && options.unit_mm <= 1000))
     return Error{ErrorCode::invalid_argument,
                  "the unit is " + std::to_string(options.unit_mm) + " mm, expected 0.001 to 1000"};
-  source->unit_mm_ = options.unit_mm == 0 ? 1 : options.unit_mm;
+  source->info_.unit_mm = options.unit_mm == 0 ? 1 : options.unit_mm;
   const FolderContents* contents = options.contents;
   if (contents && !contents->listed.empty()) {
     for (const auto& [file, info] : contents->listed) source->frames_.push_back({file, info});
@@ -386,7 +386,7 @@ Result<FrameInfo> FolderSource::next(DepthImage depth, int /*timeout_ms*/) {
     book_.damaged();
     return Error{ErrorCode::corrupt, ok.error().message};
   }
-  if (unit_mm_ != 1) to_millimetres(path_.camera_image(), unit_mm_);
+  if (info_.unit_mm != 1) to_millimetres(path_.camera_image(), info_.unit_mm);
   path_.deliver(depth);
   book_.saw(frame.info.sequence);
   return frame.info;

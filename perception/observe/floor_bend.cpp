@@ -102,10 +102,14 @@ FloorBend FloorBendFitter::run(DepthView depth, MaskView mask, const Intrinsics&
     for (const Ray& ray : rays_) {
       const auto x = static_cast<double>(ray.x), y = static_cast<double>(ray.y);
       const double n = static_cast<double>(ray.inverse_z) * camera_mm;
-      const BendRow row = {x, y, 1, (x * x + y * y) * n};
-      const double off = q[0] * row[0] + q[1] * row[1] + q[2] + q[3] * row[3] + n;
+      const double bowl = x * x + y * y, plane = q[0] * x + q[1] * y + q[2];
+      const double off = plane + q[3] * bowl * n + n;
+      // The n of the surface before, not the measured one: with its noise on both sides of the equation, and in the
+      // gate, that bends a floor of which little is seen.
+      const double smooth_n = -plane / (1 + q[3] * bowl);
       // As a height.
-      if (std::fabs(off) * camera_mm < static_cast<double>(gate_mm) * n) equations.add(row, -n);
+      if (std::fabs(off) * camera_mm < static_cast<double>(gate_mm) * smooth_n)
+        equations.add({x, y, 1, bowl * smooth_n}, -n);
     }
     if (equations.count < kRaysMin || !equations.solve(q)) return {};
   }

@@ -268,7 +268,8 @@ GuidanceSet advise(const Grid& grid, const Person& person, DepthView depth, Mask
   return out;
 }
 
-GuidanceSet advise_none_found(const Grid& grid, const FloorPlane& floor, const Blobs& found) {
+GuidanceSet advise_none_found(const Grid& grid, const FloorPlane& floor, const Blobs& found,
+                              const PersonTracker& people) {
   for (const Blob& blob : found.list()) {
     const bool large = blob.cell_count * kNearShare > static_cast<int>(grid.depth.size());
     if (large && blob.centroid_mm.z < kNearMm && (round_body(grid, blob) || head_over_shoulders(grid, blob)))
@@ -276,7 +277,7 @@ GuidanceSet advise_none_found(const Grid& grid, const FloorPlane& floor, const B
   }
   for (int h = 0; h < found.head_count; ++h) {
     const Head& head = found.heads[at(h)];
-    if (!head.seen || head.vague || head.top_mm.z > kTooFarMm) continue;
+    if (!head.seen || head.vague || head.top_mm.z > kTooFarMm || people.leaves_out(head, floor)) continue;
     const Blob& blob = found.blobs[at(head.blob)];
     if (blob.area_m2 >= kPersonAreaMaxM2) return bit(Guidance::step_to_the_middle);
     if (depth_ends(grid, floor, found, head)) return bit(Guidance::depth_missing);

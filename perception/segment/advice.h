@@ -17,7 +17,8 @@ void mark_dead_borders(const Grid& grid, int image_width, int image_height, Pers
 GuidanceSet advise(const Grid& grid, const Person& person, DepthView depth, MaskView mask,
                    std::span<const std::uint8_t> chosen, bool disturbed);
 // Guidance for a frame without a person: no_person, or only why a person who is there is not found: too_near,
-// step_to_the_middle, depth_missing.
-GuidanceSet advise_none_found(const Grid& grid, const FloorPlane& floor, const Blobs& found);
+// step_to_the_middle, depth_missing. The heads of those whom `people` leaves out ask for nothing.
+GuidanceSet advise_none_found(const Grid& grid, const FloorPlane& floor, const Blobs& found,
+                              const PersonTracker& people);
 
 }  // namespace im2fit::segment

@@ -84,6 +84,14 @@ bool PersonTracker::outside(const Track& track, const Grid& grid, const Blobs& f
   return !region_->holds(feet.x_mm, feet.z_mm, was_within ? kRegionMarginMm : 0.0F);
 }
 
+bool PersonTracker::leaves_out(const segment::Head& head, const FloorPlane& floor) const {
+  const FloorPoint place = on_floor(head.top_mm, floor);
+  if (region_ && !region_->holds(place.x_mm, place.z_mm)) return true;
+  for (int i = 0; i < detection_count_; ++i)
+    if (users_[at(i)].left_out != LeftOut::no && detections_[at(i)].blob == head.blob) return true;
+  return false;
+}
+
 void PersonTracker::watch(const Grid& grid, const Blobs& found, int user, float seconds) {
   Track& track = tracks_[at(detections_[at(user)].track)];
   const Vec3f middle = track.watch.place_mm(users_[at(user)].centroid_mm);
@@ -137,9 +145,10 @@ void PersonTracker::leave_out(const Grid& grid, const Blobs& found, const FloorP
     const bool was_still = track.left_out == LeftOut::still;
     const bool stands =
         track.watch.watched_long() && spread_mm <= kStillMm && sway_mm >= std::max(kSwayMm, kSwayShare * spread_mm);
-    // Who walks off is watched from the beginning, and is a person until then.
+    // Who walks off is watched from the beginning, and is a person until then; who is selected, by id or because the
+    // session is theirs, stands still as asked.
     const bool still =
-        (stands || (was_still && track.watch.watched_long() && spread_mm < kMovedMm)) && track.id != requested_;
+        (stands || (was_still && track.watch.watched_long() && spread_mm < kMovedMm)) && track.id != selected_;
     track.left_out = outside(track, grid, found, floor, detections_[at(i)].blob) ? LeftOut::outside
                      : still                                                     ? LeftOut::still
                                                                                  : LeftOut::no;

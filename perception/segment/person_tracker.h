@@ -27,6 +27,7 @@ namespace segment {
 struct Blob;
 struct Grid;
 struct Blobs;
+struct Head;
 
 // Where the background is not learned: columns of cells, inclusive, and the depth at which a person stands.
 struct Keepout {
@@ -86,6 +87,8 @@ class PersonTracker {
   // By another one, near enough to touch, hide or be taken for that index. Once it is said who is measured (select(),
   // or others are left out) those others disturb only by hiding the user.
   bool disturbed(int user) const;
+  // Whether a head of this frame is outside the region, or of one who is left out.
+  bool leaves_out(const segment::Head& head, const FloorPlane& floor) const;
   // Crowns of the people seen within the last second, where they should be in the next frame.
   std::span<const Vec3f> expected() const { return {expected_.data(), static_cast<std::size_t>(expected_count_)}; }
   // Places of people, now or when last seen, and of objects of a person's size; valid until the next follow().

@@ -89,8 +89,9 @@ Person Segmenter::run(DepthView depth, const Intrinsics& intrinsics, PersonTrack
 
   int who = people.choose();
   // A person too near to be found comes before an unconfirmed candidate.
-  const GuidanceSet none_found =
-      who >= 0 && people.users()[at(who)].confirmed ? 0 : segment::advise_none_found(w.grid, person.floor, w.blobs);
+  const GuidanceSet none_found = who >= 0 && people.users()[at(who)].confirmed
+                                     ? 0
+                                     : segment::advise_none_found(w.grid, person.floor, w.blobs, people);
   if (has(none_found, Guidance::too_near)) who = -1;
   people.look_at(who);
   if (who < 0) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who or what cannot be measured, by the program: a rendered man in the ordinary room, and the same picture made
 // wrong. The decisions on either side of their thresholds: tests/engine/plausibility_test.cpp.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -195,6 +197,11 @@ TEST_F(Limits, ValuesOfAnotherUnitAreNamedByTheUnitThatWorks) {
     EXPECT_THAT(run.err, testing::HasSubstr(result["diagnosis"]["text"].get<std::string>()));
     const test::Run right = test::measure(folder_.path("clip"), out, {"--only", "result", "--unit", unit});
     EXPECT_EQ(right.exit_code, 0) << right.err;
+    // Of a unit already given, and wrong: the one in its place.
+    const std::string given = fmt::format("{}", 10 / factor);
+    const test::Run wrong = test::measure(folder_.path("clip"), out, {"--only", "result", "--unit", given});
+    EXPECT_EQ(wrong.exit_code, 3);
+    EXPECT_THAT(wrong.err, testing::HasSubstr(std::string("try --unit ") + unit + "\n"));
   }
 }
 

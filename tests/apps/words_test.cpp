@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command line: wrong words, --help, --json, and data files that are not there.
+#include <cctype>
 #include <sstream>
 #include <tuple>
 
+#include "core/guidance.h"
 #include "measure_run.h"
 
 namespace im2fit {
@@ -264,6 +266,51 @@ TEST(Words, AFreshMachineGetsAdvice) {
     EXPECT_THAT(run.err, testing::HasSubstr("im2fit-lab "));
     EXPECT_THAT(test::files_in(folder.path()), testing::IsEmpty());
   }
+}
+
+// Who chose the file that is not there: a variable, not the program.
+TEST(DataFiles, AreNamedByTheVariableThatNamesThemInVain) {
+  const test::TestFolder folder;
+  for (const auto& [models, words] :
+       {std::pair(folder.path("no.i2p"), "which does not exist"), {folder.path(), "a directory without "}})
+    for (const Words& command : {Words{"measure", "synthetic:1"},
+                                 {"record", "synthetic:1", "--out", folder.path("out")},
+                                 {"tape", "show", "waist_girth", "--out", folder.path("w.svg")}}) {
+      SCOPED_TRACE(joined(test::kProgram, command));
+      test::RunOptions chosen;
+      for (const char* variable : {"IM2FIT_BODY", "IM2FIT_TRACKER", "IM2FIT_INDEX"})
+        chosen.environment.emplace_back(variable, "");
+      chosen.environment.emplace_back("IM2FIT_MODELS", models);
+      const test::Run run = start(test::kProgram, command, chosen);
+      EXPECT_EQ(run.exit_code, 1);
+      EXPECT_TRUE(test::is_one_line_of(run.err, "im2fit")) << run.err;
+      EXPECT_THAT(run.err, testing::HasSubstr("IM2FIT_MODELS names " + models + ", " + words));
+      EXPECT_THAT(run.err, testing::Not(testing::HasSubstr("im2fit-lab")));
+    }
+}
+
+// The header, the page: one order in which codes are told.
+TEST(Guidance, HasOneOrderInWhichOneOfSeveralIsTold) {
+  const auto words_between = [](const std::string& path, const std::string& begin, const std::string& end) {
+    const std::string text = test::read_text(path);
+    const std::size_t from = text.find(begin), to = text.find(end, from);
+    std::vector<std::string> words;
+    if (from == std::string::npos || to == std::string::npos) return words;
+    std::string word;
+    for (const char c : text.substr(from + begin.size(), to - from - begin.size()) + " ") {
+      if (std::isupper(static_cast<unsigned char>(c)) != 0 || c == '_') {
+        word += c;
+      } else if (!word.empty()) {
+        words.push_back(std::exchange(word, ""));
+      }
+    }
+    return words;
+  };
+  const auto header =
+      words_between(IM2FIT_DATA "/../capi/include/im2fit/im2fit.h", "Of several codes show one, the first of:", "*/");
+  EXPECT_EQ(header, words_between(IM2FIT_DATA "/../apps/kiosk/web/words.js", "const kOrder = [", "]"));
+  const std::vector<std::string> all(kGuidanceNames.begin(), kGuidanceNames.end());
+  EXPECT_THAT(header, testing::UnorderedElementsAreArray(all));
 }
 
 TEST(Json, IsAllThatIsOnStdout) {

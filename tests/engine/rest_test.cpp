@@ -90,6 +90,15 @@ TEST_P(RestTest, WhoIsBeingGuidedIsSensedInEveryFrame) {
   EXPECT_EQ(rig.control.sense_calls, 300);
 }
 
+// Nor does a room pass for empty where a code asks someone to step away.
+TEST_P(RestTest, WhoIsThereButNotFoundIsSensedInEveryFrame) {
+  Rig rig(resting(GetParam()));
+  for (int i = 0; i < 300; ++i)
+    rig.push({.found = false, .guidance = static_cast<GuidanceSet>(Guidance::too_near), .value = 2000});
+  EXPECT_TRUE(rig.engine->wait_idle(-1));
+  EXPECT_EQ(rig.control.sense_calls, 300);
+}
+
 // Which frames are sensed depends on the frames alone.
 TEST(RestThreads, OneThreadAndTwoSenseTheSameFrames) {
   std::vector<std::uint64_t> seen[2];

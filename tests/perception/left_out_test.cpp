@@ -117,6 +117,15 @@ TEST_F(WhoIsLeftOut, AStillFigureBesideOneWhoSwaysIsLeftOut) {
   EXPECT_EQ(user_at(kLeftX).left_out, LeftOut::no);
 }
 
+TEST_F(WhoIsLeftOut, WhoHoldsTheSessionMayStandStillBesideOneWhoFidgets) {
+  for (int i = 0; i < 3; ++i) run(two_people());
+  people_.hold(user_at(kLeftX).id, true);
+  const Person person = sway(0, 5);
+  ASSERT_TRUE(person.found);
+  EXPECT_LT(person.centroid_mm.x, 0);
+  EXPECT_EQ(user_at(kLeftX).left_out, LeftOut::no);
+}
+
 TEST_F(WhoIsLeftOut, TwoWhoSwayAndTwoWhoDoNotAreSeveral) {
   EXPECT_TRUE(has(sway(3, 5).guidance, Guidance::several_people));
   WhoIsLeftOut::people_.reset();
@@ -169,6 +178,11 @@ TEST_F(WhoIsLeftOut, LegsWithoutDepthAreNamed) {
   for (int i = 0; i < 3; ++i) person = run(s);
   EXPECT_FALSE(person.found);
   EXPECT_EQ(person.guidance, static_cast<GuidanceSet>(Guidance::depth_missing));
+  // Outside the region nobody is asked for anything.
+  people_.set_region(FloorRegion{1000, 1000, 2000, 3000});
+  EXPECT_EQ(run(s).guidance, static_cast<GuidanceSet>(Guidance::no_person));
+  people_.set_region(std::nullopt);
+  EXPECT_EQ(run(s).guidance, static_cast<GuidanceSet>(Guidance::depth_missing));
   // A bust on a wall: below is the wall.
   spoil_ = [](Picture& p) {
     for (std::size_t i = p.depth.size() / 2; i < p.depth.size(); ++i)

@@ -851,8 +851,10 @@ IM2FIT_API const char* im2fit_fit_name(int verdict);    /* "tight" */
 IM2FIT_API const char* im2fit_rig_node_name(int node);  /* "left_upper_arm" */
 IM2FIT_API int im2fit_rig_node_parent(int node);        /* the parent node; -1: of node 0, or out of range */
 /* "Step back" for bit 1, TOO_NEAR: at most six words, to show or speak. `language` as for im2fit_garment_name. UTF-8.
- * Of several codes show one: NO_PERSON, TURN_ROUND, TURN_SLOWER, WALK_ROUND and SEVERAL_PEOPLE come first, then the
- * distance, then what is cut off, then the pose; TURN_ON and CLOTHED come last. */
+ * Of several codes show one, the first of: NO_PERSON, TURN_ROUND, TURN_SLOWER, WALK_ROUND, SEVERAL_PEOPLE, TOO_NEAR,
+ * TOO_FAR, HEAD_CUT, FEET_CUT, SIDE_CUT, STEP_TO_THE_MIDDLE, DEPTH_MISSING, CALIBRATION_POSE, NOT_FRONTAL,
+ * NOT_UPRIGHT, ARMS_CLOSE, MOVING, TOO_NOISY, FLOOR_BENT, OUT_OF_POPULATION, TURN_ON, FEET_RAISED, HEAD_UNSEEN,
+ * CLOTHED. */
 IM2FIT_API const char* im2fit_guidance_text(int bit, const char* language);
 /* "T-shirt". `language` is "en", "de", "es", "fr" or "zh"; NULL for others. UTF-8. */
 IM2FIT_API const char* im2fit_garment_name(size_t index, const char* language);

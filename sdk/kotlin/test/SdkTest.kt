@@ -81,6 +81,10 @@ fun main(arguments: Array<String>) {
             same(found, library, "list $list")
         }
     }
+    test("a diagnosis of a newer library is unknown") {
+        same(DiagnosisCode.of(8), DiagnosisCode.UNIT, "code 8")
+        for (code in listOf(-1, DiagnosisCode.UNKNOWN.ordinal, 99)) same(DiagnosisCode.of(code), DiagnosisCode.UNKNOWN, "code $code")
+    }
     test("failures have a status and a text") {
         val missing = fails<Im2fitException> {
             FitSession(clip.camera, Models(ModelFile.Path(File("/nonexistent.i2t")), models.index)).close()

@@ -115,7 +115,7 @@ class Shop {
     engine_->finish();
     const auto person = measurement_of(*engine_, data_->parts(), source_);
     if (!person || !person->result.measured) return "";
-    page_->page().publish(apps::measured_event(1, number, *person));
+    page_->page().publish(apps::measured_event(1, number, result_json(*person)));
     EXPECT_EQ(post("/operator/save", form(number, subject)), 202);
     for (int i = 0; i < 2000; ++i) {
       const Json job =

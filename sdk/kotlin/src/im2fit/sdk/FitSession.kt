@@ -95,7 +95,7 @@ class FitSession @JvmOverloads constructor(
         val unit = FloatArray(1)
         val text = Native.diagnose(handle, depthMm, width, height, numbers, unit)
         if (numbers[0] < 0) check(numbers[0])
-        Diagnosis(DiagnosisCode.values()[numbers[0]], Native.text(text).orEmpty(), unit[0], numbers[1])
+        Diagnosis(DiagnosisCode.of(numbers[0]), Native.text(text).orEmpty(), unit[0], numbers[1])
     }
 
     /**

@@ -53,7 +53,13 @@ enum class Guidance {
 /** What is wrong with frames in which no person is found. Order of IM2FIT_DIAGNOSIS_... */
 enum class DiagnosisCode {
     NONE, LITTLE_DEPTH, RAW_DISPARITY, BYTES_SWAPPED, PLAYER_BITS, CONFIDENCE_BITS, FLOAT_VALUES, NO_DEPTH_PICTURE, UNIT,
-    ROTATED, CENTRE, FIELD_OF_VIEW
+    ROTATED, CENTRE, FIELD_OF_VIEW,
+    /** A code of a newer library: its [Diagnosis.text] says what it is. */
+    UNKNOWN;
+
+    internal companion object {
+        fun of(code: Int) = values().getOrElse(code) { UNKNOWN }
+    }
 }
 
 /**
