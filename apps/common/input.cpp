@@ -64,7 +64,7 @@ Result<std::unique_ptr<hal::Source>> open_patiently(const InputOptions& options,
 void add_input_options(cli::App& sub, InputOptions& options) {
   sub.add_option("SOURCE", options.source,
                  "openni2[:URI] | usb[:SERIAL] | v4l2:/dev/videoN | synthetic[:SEED] | PATH.oni | DEPTH_FOLDER | "
-                 "STRAY_SCANNER_FOLDER | SCANNER_APP_FOLDER | TUM_FOLDER")
+                 "STRAY_SCANNER_FOLDER | SCANNER_APP_FOLDER | TUM_FOLDER | SCAN.ply, .obj, .glb, .pcd")
       ->required();
   sub.add_option("--rotate", options.rotate_deg, "Mounting of the camera, degrees (default: as recorded)")
       ->one_of({0, 90, 180, 270});
@@ -74,8 +74,8 @@ void add_input_options(cli::App& sub, InputOptions& options) {
       ->type_name("FILE");
   sub.add_option(
          "--unit", options.unit_mm,
-         "Folder: millimetres per unit of its pixels (0.1; 10: centimetres; 1000: metres). Default: 1; of a TUM "
-         "folder 0.2")
+         "Folder or scan: millimetres in one unit of its pixels or lengths (0.1; 10: centimetres; 1000: metres). "
+         "Default: 1; of a TUM folder 0.2; of a scan what makes it a person")
       ->range(0.001, 1000.0);
   sub.add_option("--body", options.body, "Body file")->type_name("FILE")->capture_default_str();
 }
@@ -93,6 +93,7 @@ Result<Input> open_input(const InputOptions& options) {
   if (options.rotate_deg >= 0) opening.rotate_deg = options.rotate_deg;
   opening.camera_yaml_path = options.camera_yaml;
   opening.unit_mm = options.unit_mm;
+  opening.scan_up = options.scan_up;
 #if IM2FIT_HAVE_LAB
   opening.synthetic = [&](const std::string& seed,
                           const hal::OpenOptions& o) -> Result<std::unique_ptr<hal::Source>> {

@@ -22,6 +22,7 @@ struct InputOptions {
   int rotate_deg = -1;  // -1: as the recording specifies
   std::string camera_yaml;
   double unit_mm = 0;                      // of a folder's pixels; 0: as it has them
+  std::string scan_up;                     // of a scan; "": found
   std::string body = default_body_path();  // of the synthetic person, too
   Turn turn = Turn::none;                  // of the synthetic person, who stands for so many frames first
   int turn_after_frames = 0;

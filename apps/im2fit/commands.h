@@ -8,6 +8,7 @@ namespace im2fit::apps {
 
 void add_devices(cli::App& app, Command& chosen);
 void add_measure(cli::App& app, Command& chosen);
+void add_measure_scan(cli::App& app, Command& chosen);
 void add_live(cli::App& app, Command& chosen);
 #if IM2FIT_HAVE_PAGE
 void add_serve(cli::App& app, Command& chosen);

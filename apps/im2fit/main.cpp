@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   constexpr NamedCommand kCommands[] = {
     {"devices", add_devices},
     {"measure", add_measure},
+    {"measure-scan", add_measure_scan},
     {"live", add_live},
     {"record", add_record},
     {"convert", add_convert},

@@ -84,10 +84,10 @@ constexpr Make kFiles[] = {
     {".bin",
      "holds raw numbers; it becomes a folder by: im2fit-lab import-raw \1 --width W --height H --focal F "
      "--out \2"},
-    {".ply", "is a cloud or a mesh, not a recording of a depth camera"},
-    {".pcd", "is a cloud, not a recording of a depth camera"},
-    {".obj", "is a mesh, not a recording of a depth camera"},
-    {".glb", "is a mesh, not a recording of a depth camera"}};
+    {".gltf", "is a mesh in several files; export it as one .glb"},
+    {".fbx", "is a mesh of a kind that is not read; export it as .ply, .obj or .glb"},
+    {".stl", "is a mesh of a kind that is not read; export it as .ply, .obj or .glb"},
+    {".usdz", "is a mesh of a kind that is not read; export it as .ply, .obj or .glb"}};
 
 // Python's own words for a picture a file; \1: the folder, quoted. Frames are numbered in order of their names.
 constexpr std::string_view kNpyInMm =

@@ -15,6 +15,9 @@
 #include "hal/openni2/oni_writer.h"
 #include "hal/openni2/openni2_source.h"
 #endif
+#if IM2FIT_HAVE_SCANS
+#include "hal/scan/scan_source.h"
+#endif
 #if IM2FIT_HAVE_V4L2
 #include "hal/v4l2/v4l2_source.h"
 #endif
@@ -220,6 +223,14 @@ Result<std::vector<DeviceEntry>> list_v4l2() {
 }
 #endif
 
+bool is_scan([[maybe_unused]] const std::string& uri) {
+#if IM2FIT_HAVE_SCANS
+  return is_scan_name(uri);
+#else
+  return false;
+#endif
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOptions& options) {
@@ -227,8 +238,8 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
     return Error{ErrorCode::invalid_argument,
                  "rotation is " + std::to_string(*options.rotate_deg) + ", expected 0, 90, 180 or 270 degrees"};
   std::error_code code;
-  if (options.unit_mm != 0 && options.unit_mm != 1 && !std::filesystem::is_directory(uri, code))
-    return Error{ErrorCode::invalid_argument, uri + ": a unit can be given of depth folders only"};
+  if (options.unit_mm != 0 && options.unit_mm != 1 && !is_scan(uri) && !std::filesystem::is_directory(uri, code))
+    return Error{ErrorCode::invalid_argument, uri + ": a unit can be given of depth folders and scans only"};
   if (const auto seed = after_scheme(uri, "synthetic")) {
     if (options.synthetic) return options.synthetic(*seed, options);
     return Error{ErrorCode::unsupported, uri + ": this program has no synthetic camera; use a camera or a recording"};
@@ -245,6 +256,9 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
             " does not exist; expected openni2[:URI], usb[:SERIAL], v4l2[:NODE], synthetic[:SEED], a .oni file "
             "or the folder of a recording"};
   if (is_oni(uri)) return open_recording(uri, options);
+#if IM2FIT_HAVE_SCANS
+  if (is_scan(uri)) return open_scan(uri, {options.unit_mm, options.scan_up});
+#endif
   if (auto other = other_recording(uri)) return *other;
   return Error{ErrorCode::unsupported,
                uri + " is neither a folder nor a .oni file; expected a depth folder or an OpenNI2 recording"};

@@ -16,7 +16,8 @@ namespace im2fit::hal {
 struct OpenOptions {
   std::optional<int> rotate_deg;  // how the camera is mounted; unset: what the recording says, else 0
   std::string camera_yaml_path;   // a calibration that overrides the camera's own; "" for none
-  double unit_mm = 0;             // of a folder's pixels; 0: as it has them. Other sources know theirs
+  double unit_mm = 0;             // of a folder's pixels or a scan's lengths; 0: as it has them, as fits a person
+  std::string scan_up;            // the axis of a scan that points up (ScanOptions::up); "": found
   int width = 640;                // wanted of a live camera, before rotation
   int height = 480;
   int stall_ms = 5000;  // a recording that gives nothing for so long is damaged
@@ -26,7 +27,8 @@ struct OpenOptions {
 };
 
 // `uri`: openni2[:URI] | usb[:SERIAL] | v4l2[:/dev/videoN][?key=value&...] | PATH.oni | DEPTH_FOLDER |
-// STRAY_SCANNER_FOLDER | SCANNER_APP_FOLDER | TUM_FOLDER | synthetic[:seed]. A recording of another make is refused
+// STRAY_SCANNER_FOLDER | SCANNER_APP_FOLDER | TUM_FOLDER | SCAN.ply, .obj, .glb, .pcd | synthetic[:seed]. A scan is
+// looked at from the front, then walked round (hal/scan/scan_source.h). A recording of another make is refused
 // with the command that converts it (hal/folder/other_recordings.h).
 Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOptions& options = {});
 

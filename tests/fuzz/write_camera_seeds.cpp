@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sound input for the fuzzers of cameras, of texts and of the page to start from: write_camera_seeds DIRECTORY makes
-// camera_yaml/, oni_protocol/, depth_picture/, folder_times/, pose_table/, recorder_text/, size_chart/ and http/.
+// camera_yaml/, oni_protocol/, depth_picture/, folder_times/, pose_table/, recorder_text/, scan/, size_chart/ and
+// http/.
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -37,6 +38,24 @@ std::string two_frames(bool complete) {
   }
   append(out, oni::Header{oni::kMagic, oni::Kind::end, sizeof(oni::End), 0});
   append(out, oni::End{complete ? 1U : 0U});
+  return out;
+}
+
+// A mesh of one triangle.
+std::string glb() {
+  std::string tree =
+      R"({"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
+      R"("accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":3}],"bufferViews":[{"buffer":0}]})";
+  tree.resize((tree.size() + 3) / 4 * 4, ' ');
+  const std::string points(36, '\x3F');
+  std::string out = "glTF";
+  const auto add = [&](std::size_t number) { append(out, static_cast<std::uint32_t>(number)); };
+  add(2);
+  add(12 + 8 + tree.size() + 8 + points.size());
+  add(tree.size());
+  out += "JSON" + tree;
+  add(points.size());
+  out += std::string("BIN\0", 4) + points;
   return out;
 }
 
@@ -100,6 +119,23 @@ int main(int argc, char** argv) {
        "\x02{\"time\": 5, \"intrinsics\": [1443, 0, 955, 0, 1443, 722, 0, 0, 1], \"cameraPoseARFrame\": [0, 1, 0, "
        "0.5, -1, "
        "0, 0, 1.4, 0, 0, 1, 0, 0, 0, 0, 1]}"},
+      {"scan/ply", std::string(1, '\0') +
+                       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
+                       "z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 "
+                       "0\n3 0 1 2\n"},
+      {"scan/ply_binary", std::string(1, '\0') +
+                              "ply\nformat binary_little_endian 1.0\nelement vertex 2\nproperty float x\nproperty "
+                              "float y\nproperty float z\nend_header\n" +
+                              std::string(24, '\x3F')},
+      {"scan/obj", "\x01v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/2/2 -1//3\n"},
+      {"scan/glb", "\x02" + glb()},
+      {"scan/pcd",
+       "\x03VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA "
+       "ascii\n1 2 3\n"},
+      {"scan/pcd_packed",
+       "\x03VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA "
+       "binary_compressed\n" +
+           std::string("\x0D\0\0\0\x0C\0\0\0\x0B", 9) + std::string(12, '\x3F')},
       {"size_chart/chart",
        "# name: A\n# sex: any\n# unit: mm\n# source: x\n# date: 2020\nsize;low_mm;high_mm\nS;860,5;940\n"},
       {"size_chart/shop",

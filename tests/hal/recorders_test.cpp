@@ -271,7 +271,7 @@ TEST_F(Recorders, OtherRecordingsAreNamedWithTheCommandThatConvertsThem) {
                                                         {"a.r3d", "EXR"},
                                                         {"A.MP4", "no millimetres"},
                                                         {"a.zip", "unzip"},
-                                                        {"it's.ply", "a cloud or a mesh"},
+                                                        {"it's.stl", "of a kind that is not read"},
                                                         {"a.npy", "give its folder"},
                                                         {"a.raw", "im2fit-lab import-raw"}};
   for (const auto& [name, words] : kFiles) {

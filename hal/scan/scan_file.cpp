@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/scan/scan_file.h"
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+#include "core/file.h"
+#include "hal/scan/scan_readers.h"
+
+namespace im2fit::hal {
+namespace {
+
+using Reader = Result<RawScan> (*)(ScanBytes, const std::string&);
+constexpr std::pair<std::string_view, Reader> kReaders[] = {
+    {".ply", read_ply}, {".obj", read_obj}, {".glb", read_glb}, {".pcd", read_pcd}};
+
+Reader reader_of(const std::string& path) {
+  for (const auto& [ending, reader] : kReaders) {
+    if (path.size() <= ending.size()) continue;
+    bool same = true;
+    for (std::size_t i = 0; i < ending.size(); ++i) {
+      const char c = path[path.size() - ending.size() + i];
+      same = same && (c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c) == ending[i];
+    }
+    if (same) return reader;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+Result<Scan> checked_scan(RawScan raw, const std::string& what) {
+  constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> place(raw.points.size(), kGone);
+  Scan scan;
+  scan.points.reserve(raw.points.size());
+  for (std::size_t i = 0; i < raw.points.size(); ++i) {
+    const Vec3f p = raw.points[i];
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) continue;
+    place[i] = static_cast<std::uint32_t>(scan.points.size());
+    scan.points.push_back(p);
+  }
+  scan.triangles.reserve(raw.triangles.size());
+  for (const ScanTriangle& t : raw.triangles) {
+    for (const std::uint32_t corner : t)
+      if (corner >= place.size())
+        return bad_scan(what, "a face has the corner " + std::to_string(corner) + " of " +
+                                  std::to_string(place.size()) + " points");
+    const ScanTriangle moved = {place[t[0]], place[t[1]], place[t[2]]};
+    if (moved[0] != kGone && moved[1] != kGone && moved[2] != kGone) scan.triangles.push_back(moved);
+  }
+  if (scan.points.empty()) return bad_scan(what, "it has no points");
+  return scan;
+}
+
+bool is_scan_name(const std::string& path) {
+  return reader_of(path) != nullptr;
+}
+
+Result<Scan> read_scan(const std::string& path) {
+  const Reader reader = reader_of(path);
+  if (reader == nullptr)
+    return Error{ErrorCode::unsupported, path + " is no scan; expected a name that ends in .ply, .obj, .glb or .pcd"};
+  const auto bytes = read_file(path, kScanBytesMax);
+  if (!bytes) return bytes.error();
+  auto raw = reader(*bytes, path);
+  if (!raw) return raw.error();
+  return checked_scan(std::move(*raw), path);
+}
+
+}  // namespace im2fit::hal

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scans in PLY, OBJ, GLB and PCD as anyone may have written them: refused in one line, or points that are finite and
+// triangles of these, which then stand or are refused. The first byte chooses the format.
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "hal/scan/scan_readers.h"
+
+namespace {
+
+void check(const im2fit::Error& error) {
+  if (error.message.empty() || error.message.find('\n') != std::string::npos) __builtin_trap();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace im2fit::hal;
+  if (size == 0) return 0;
+  constexpr decltype(&read_ply) kReaders[] = {read_ply, read_obj, read_glb, read_pcd};
+  const auto bytes = std::as_bytes(std::span(data + 1, size - 1));
+  auto raw = kReaders[data[0] % 4](bytes, "a scan");
+  if (!raw) return check(raw.error()), 0;
+  // A node that many others name may repeat its points, but not without end.
+  if (raw->points.size() > kScanPointsMax || raw->triangles.size() > kScanTrianglesMax + size) __builtin_trap();
+  auto scan = checked_scan(std::move(*raw), "a scan");
+  if (!scan) return check(scan.error()), 0;
+  for (const im2fit::Vec3f p : scan->points)
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) __builtin_trap();
+  for (const ScanTriangle& t : scan->triangles)
+    for (const std::uint32_t corner : t)
+      if (corner >= scan->points.size()) __builtin_trap();
+  return 0;
+}
