@@ -14,6 +14,7 @@
 #include "core/file.h"
 #include "hal/folder/camera_yaml.h"
 #include "hal/frame_path.h"
+#include "report/full_result.h"
 
 namespace im2fit::daemon {
 namespace {
@@ -281,8 +282,9 @@ Status Daemon::say_person(const EngineResult& result, const hal::Source& source)
   person->frames_damaged = source.stats().damaged;
   if (const std::string note = apps::body_note(*person); !note.empty()) log(Level::warning, note);
   body_ = person->body;
-  say(apps::measured_event(frames_, persons_, *person));
-  keep(result_json(*person));
+  const std::string text = full_result_json(*person, data_);
+  say(apps::measured_event(frames_, persons_, text));
+  keep(text);
   return Ok{};
 }
 

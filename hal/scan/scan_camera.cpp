@@ -22,8 +22,6 @@ std::size_t place(int u, int v) {
   return static_cast<std::size_t>(v) * kWidth + static_cast<std::size_t>(u);
 }
 
-constexpr float kLayerMm = 15;  // points so far behind the nearest of their pixel are its surface, too
-
 float edge(Vec3f a, Vec3f b, float u, float v) {
   return (b.x - a.x) * (v - a.y) - (b.y - a.y) * (u - a.x);
 }
@@ -38,14 +36,13 @@ ScanCamera::ScanCamera(StandingScan scan)
     : scan_(std::move(scan)),
       seen_(scan_.points.size()),
       nearest_(static_cast<std::size_t>(kWidth) * kHeight),
+      kept_(nearest_.size()),
       back_(nearest_.size()) {
   if (scan_.triangles.empty()) {
     const double apart_mm = std::sqrt(kSkinMm2 / static_cast<double>(scan_.points.size()));
     // Twice the mean distance closes nearly all gaps of points that lie at random.
     const double px = apart_mm * static_cast<double>(kFocalPx / kAwayMm);
 
-    kept_.resize(nearest_.size());
-    count_.resize(nearest_.size());
     reach_px_ = std::clamp(static_cast<int>(std::ceil(2 * px)), 1, kReachMaxPx);
     return;
   }
@@ -95,38 +92,19 @@ void ScanCamera::draw_triangles() {
   }
 }
 
-// Points by their pixels. What lies behind its neighbours is seen through a gap; gaps between points of one surface
-// are closed, its outline stays where it is.
+// A point a pixel. What lies behind its neighbours is seen through a gap; gaps between points of one surface are
+// closed, its outline stays where it is.
 void ScanCamera::draw_points() {
-  int low_u = kWidth, high_u = -1, low_v = kHeight, high_v = -1;
-  const auto each_point = [&](auto visit) {
-    for (const Vec3f p : seen_) {
-      const int u = static_cast<int>(std::lround(p.x)), v = static_cast<int>(std::lround(p.y));
-      if (u < 0 || u >= kWidth || v < 0 || v >= kHeight) continue;
-      low_u = std::min(low_u, u);
-      high_u = std::max(high_u, u);
-      low_v = std::min(low_v, v);
-      high_v = std::max(high_v, v);
-      visit(place(u, v), p.z);
-    }
-  };
-  each_point([&](std::size_t i, float z) {
-    if (nearest_[i] == 0 || z < nearest_[i]) nearest_[i] = z;
-  });
-  kept_ = nearest_;
-  std::fill(count_.begin(), count_.end(), std::uint16_t{0});
-  each_point([&](std::size_t i, float z) {
-    if (z > kept_[i] + kLayerMm || count_[i] == 1000) return;
-    nearest_[i] += (z - nearest_[i]) / static_cast<float>(++count_[i]);
-  });
+  for (const Vec3f p : seen_) {
+    const int u = static_cast<int>(std::lround(p.x)), v = static_cast<int>(std::lround(p.y));
+    if (u < 0 || u >= kWidth || v < 0 || v >= kHeight) continue;
+    float& nearest = nearest_[place(u, v)];
+    if (nearest == 0 || p.z < nearest) nearest = p.z;
+  }
   const int r = reach_px_;
-  low_u = std::max(r, low_u);
-  high_u = std::min(kWidth - 1 - r, high_u);
-  low_v = std::max(r, low_v);
-  high_v = std::min(kHeight - 1 - r, high_v);
   kept_ = nearest_;
-  for (int v = low_v; v <= high_v; ++v)
-    for (int u = low_u; u <= high_u; ++u) {
+  for (int v = r; v < kHeight - r; ++v)
+    for (int u = r; u < kWidth - r; ++u) {
       const float z = kept_[place(u, v)];
       if (z == 0) continue;
       for (int dv = -r; dv <= r; ++dv)
@@ -135,33 +113,25 @@ void ScanCamera::draw_points() {
             nearest_[place(u, v)] = 0;
     }
   kept_ = nearest_;
-  for (int v = low_v; v <= high_v; ++v)
-    for (int u = low_u; u <= high_u; ++u)
-      if (kept_[place(u, v)] == 0) nearest_[place(u, v)] = between_points(u, v);
-}
-
-// The surface at an empty pixel with points about it: some in one quadrant, some in the opposite one. Else 0.
-float ScanCamera::between_points(int u, int v) const {
-  const int r = reach_px_;
-  unsigned quadrants = 0;
-  float sum = 0, weight = 0, low = 0, high = 0;
-  for (int dv = -r; dv <= r; ++dv)
-    for (int du = -r; du <= r; ++du) {
-      const float z = kept_[place(u + du, v + dv)];
-      if (z == 0) continue;
-      // On an axis a point belongs to the quadrants on both sides.
-      if (du >= 0 && dv >= 0) quadrants |= 1U;
-      if (du <= 0 && dv <= 0) quadrants |= 2U;
-      if (du >= 0 && dv <= 0) quadrants |= 4U;
-      if (du <= 0 && dv >= 0) quadrants |= 8U;
-      const float w = 1 / static_cast<float>(du * du + dv * dv);
-      sum += w * z;
-      weight += w;
-      low = low == 0 ? z : std::min(low, z);
-      high = std::max(high, z);
+  const auto first = [&](int u, int v, int du, int dv) {
+    for (int i = 1; i <= r; ++i)
+      if (const float z = kept_[place(u + i * du, v + i * dv)]; z > 0) return std::pair{z, i};
+    return std::pair{0.0F, 0};
+  };
+  for (int v = r; v < kHeight - r; ++v)
+    for (int u = r; u < kWidth - r; ++u) {
+      if (kept_[place(u, v)] > 0) continue;
+      float sum = 0, weight = 0;
+      for (const auto& [du, dv] : {std::pair{1, 0}, std::pair{0, 1}}) {
+        const auto [z0, i0] = first(u, v, -du, -dv);
+        const auto [z1, i1] = first(u, v, du, dv);
+        if (z0 == 0 || z1 == 0 || std::fabs(z0 - z1) > kApartMm) continue;
+        const float w = 1 / static_cast<float>(i0 + i1);
+        sum += w * (z0 * static_cast<float>(i1) + z1 * static_cast<float>(i0)) / static_cast<float>(i0 + i1);
+        weight += w;
+      }
+      if (weight > 0) nearest_[place(u, v)] = sum / weight;
     }
-  const bool within = (quadrants & 3U) == 3U || (quadrants & 12U) == 12U;
-  return within && high - low < kApartMm ? sum / weight : 0;
 }
 
 void ScanCamera::render(float yaw_deg, DepthImage out) {

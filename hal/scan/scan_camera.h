@@ -27,14 +27,12 @@ class ScanCamera {
  private:
   void draw_triangles();
   void draw_points();
-  float between_points(int u, int v) const;
 
   StandingScan scan_;
   bool two_sided_ = false;             // its faces do not agree about where outside is
   int reach_px_ = 0;                   // of a cloud: half of the widest gap between points
   std::vector<Vec3f> seen_;            // of each point: u, v, z
   std::vector<float> nearest_, kept_;  // of each pixel, mm; 0: nothing
-  std::vector<std::uint16_t> count_;   // its points
   std::vector<std::uint8_t> back_;     // of each pixel: what is nearest is the inside of the surface
 };
 
