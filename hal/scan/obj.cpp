@@ -25,12 +25,11 @@ Result<RawScan> read_obj(ScanBytes bytes, const std::string& what) {
     std::string_view line = take_line(text);
     const std::string_view kind = take_word(line);
     if (kind == "v") {
-      const auto x = number_of<float>(take_word(line)), y = number_of<float>(take_word(line)),
-                 z = number_of<float>(take_word(line));
+      const auto x = decimal_of(take_word(line)), y = decimal_of(take_word(line)), z = decimal_of(take_word(line));
       if (!x || !y || !z) return bad_scan(what, "line " + std::to_string(number) + " is no \"v x y z\"");
       if (scan.points.size() == kScanPointsMax)
         return bad_scan(what, "it has more than " + std::to_string(kScanPointsMax) + " points");
-      scan.points.push_back({*x, *y, *z});
+      scan.points.push_back({static_cast<float>(*x), static_cast<float>(*y), static_cast<float>(*z)});
     } else if (kind == "f") {
       ScanTriangle t{};
       std::size_t place = 0;

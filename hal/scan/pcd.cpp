@@ -105,9 +105,9 @@ Result<RawScan> read_text(const Header& header, std::string_view text, const std
         if (word.empty()) return bad_scan(what, "point " + std::to_string(i) + " is cut off");
         for (std::size_t a = 0; a < 3; ++a) {
           if (&field != header.axis[a]) continue;
-          const auto value = number_of<float>(word);
+          const auto value = decimal_of(word);
           if (!value) return bad_scan(what, "point " + std::to_string(i) + " is no number");
-          *out[a] = *value;
+          *out[a] = static_cast<float>(*value);
         }
       }
     }

@@ -116,7 +116,7 @@ class PlyReader {
 
   // The next value; none where the file ends.
   std::optional<double> value(Type type) {
-    if (format_ == Format::text) return number_of<double>(take_word(text_));
+    if (format_ == Format::text) return decimal_of(take_word(text_));
     const std::size_t size = size_of(type);
     if (text_.size() < size) return std::nullopt;
     const auto* at = reinterpret_cast<const std::byte*>(text_.data());

@@ -55,6 +55,36 @@ Result<Scan> checked_scan(RawScan raw, const std::string& what) {
   return scan;
 }
 
+std::optional<double> decimal_of(std::string_view word) {
+  const bool negative = !word.empty() && word.front() == '-';
+  if (negative || (!word.empty() && word.front() == '+')) word.remove_prefix(1);
+  for (const std::string_view name : {"nan", "NaN", "inf", "Inf", "infinity"})
+    if (word == name) return std::numeric_limits<double>::quiet_NaN();
+  double value = 0;
+  std::int64_t places = 0;
+  std::size_t at = 0;
+  bool digits = false, point = false;
+  for (; at < word.size(); ++at) {
+    if (word[at] == '.' && !point) {
+      point = true;
+      continue;
+    }
+    if (word[at] < '0' || word[at] > '9') break;
+    digits = true;
+    value = 10 * value + (word[at] - '0');
+    places -= point ? 1 : 0;
+  }
+  if (!digits) return std::nullopt;
+  if (at < word.size()) {
+    if (word[at] != 'e' && word[at] != 'E') return std::nullopt;
+    const auto exponent = number_of<std::int16_t>(word.substr(at + 1));
+    if (!exponent) return std::nullopt;
+    places += *exponent;
+  }
+  value *= std::pow(10.0, static_cast<double>(places));
+  return negative ? -value : value;
+}
+
 bool is_scan_name(const std::string& path) {
   return reader_of(path) != nullptr;
 }

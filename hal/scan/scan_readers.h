@@ -12,6 +12,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "core/status.h"
@@ -69,16 +70,20 @@ inline std::string_view take_word(std::string_view& text) {
   return word;
 }
 
-// The whole word as a number.
+// The whole word as a whole number.
 template <class T>
 std::optional<T> number_of(std::string_view word) {
+  static_assert(std::is_integral_v<T>);
   if (!word.empty() && word.front() == '+') word.remove_prefix(1);
   T value{};
-  const auto end = word.data() + word.size();
-  const auto read = std::from_chars(word.data(), end, value);
-  if (read.ptr != end || (read.ec != std::errc{} && read.ec != std::errc::result_out_of_range)) return std::nullopt;
+  const auto read = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (word.empty() || read.ptr != word.data() + word.size() || read.ec != std::errc{}) return std::nullopt;
   return value;
 }
+
+// The whole word as a decimal number, to 15 digits; "nan" and "inf" are not finite. from_chars for floats is not in
+// every standard library we build with.
+std::optional<double> decimal_of(std::string_view word);
 
 // A number of a file's bytes; the caller has checked that they are there.
 template <class T>

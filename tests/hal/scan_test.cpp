@@ -377,6 +377,16 @@ TEST_F(Files, ObjWithFacesOfFourAndNumbersFromTheEnd) {
   const auto square = read_scan(folder_.path("b.obj"));
   ASSERT_TRUE(square);
   EXPECT_EQ(square->triangles, (std::vector<ScanTriangle>{{0, 1, 2}, {0, 2, 3}}));
+  put("e.obj", "v -1.5e2 +0.25 1E-3\nv nan 1 2\nv .5 5. 3\n");
+  const auto numbers = read_scan(folder_.path("e.obj"));
+  ASSERT_TRUE(numbers);
+  ASSERT_EQ(numbers->points.size(), 2U);
+  EXPECT_LT(norm(numbers->points[0] - Vec3f{-150, 0.25F, 0.001F}), 1e-5F);
+  EXPECT_LT(norm(numbers->points[1] - Vec3f{0.5F, 5, 3}), 1e-5F);
+  for (const char* word : {"1.2.3", "e5", "1e", "--1", "0x10", "1,5"}) {
+    put("f.obj", "v 0 0 " + std::string(word) + "\n");
+    EXPECT_FALSE(read_scan(folder_.path("f.obj"))) << word;
+  }
   put("c.obj", "v 0 0 zero\n");
   const auto broken = read_scan(folder_.path("c.obj"));
   ASSERT_FALSE(broken);
