@@ -19,8 +19,8 @@ DepthDiagnosis read_in_unit(DepthDiagnosis diagnosis, double unit_mm) {
   const std::size_t at = diagnosis.text.find(kOption);
   if (unit_mm == 1 || !(diagnosis.unit_mm > 0) || at == std::string::npos) return diagnosis;
   diagnosis.unit_mm *= static_cast<float>(unit_mm);
-  diagnosis.text = "in units of " + number(static_cast<float>(unit_mm)) + " mm " + diagnosis.text.substr(0, at) +
-                   std::string(kOption) + number(diagnosis.unit_mm);
+  diagnosis.text = "read in units of " + number(static_cast<float>(unit_mm)) + " mm, the " +
+                   diagnosis.text.substr(0, at) + std::string(kOption) + number(diagnosis.unit_mm);
   return diagnosis;
 }
 

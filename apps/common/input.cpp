@@ -75,8 +75,12 @@ void add_input_options(cli::App& sub, InputOptions& options) {
   sub.add_option(
          "--unit", options.unit_mm,
          "Folder or scan: millimetres in one unit of its pixels or lengths (0.1; 10: centimetres; 1000: metres). "
-         "Default: 1; of a TUM folder 0.2; of a scan what makes it a person")
+         "Default: 1; of a TUM folder 0.2; of a scan: found by the height")
       ->range(0.001, 1000.0);
+  sub.add_option(
+         "--up", options.scan_up,
+         "Axis of a scan that points up: x, -x, y, -y, z, -z. Default: found by the longest side and the feet")
+      ->one_of({"x", "-x", "y", "-y", "z", "-z"});
   sub.add_option("--body", options.body, "Body file")->type_name("FILE")->capture_default_str();
 }
 

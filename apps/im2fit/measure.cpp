@@ -43,9 +43,6 @@ void add_measure_scan(cli::App& app, Command& chosen) {
       app, chosen, "measure-scan", "Measure the person in a scan of the body: a mesh or a cloud of points",
       "  im2fit measure-scan anna.ply --out anna\n  im2fit measure-scan scan.obj --unit 25.4 --up z --json", options,
       run_measure);
-  sub->add_option("--up", options->input.scan_up,
-                  "Axis of the scan that points up. Default: found by the longest side and the feet")
-      ->one_of(std::vector<std::string>{"x", "-x", "y", "-y", "z", "-z"});
   add_session_options(*sub, *options);
 }
 

@@ -253,15 +253,20 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
     return Error{
         ErrorCode::not_found,
         uri +
-            " does not exist; expected openni2[:URI], usb[:SERIAL], v4l2[:NODE], synthetic[:SEED], a .oni file "
-            "or the folder of a recording"};
+            " does not exist; expected openni2[:URI], usb[:SERIAL], v4l2[:NODE], synthetic[:SEED], a .oni file, "
+            "the folder of a recording or a scan (.ply, .obj, .glb, .pcd)"};
   if (is_oni(uri)) return open_recording(uri, options);
 #if IM2FIT_HAVE_SCANS
+  if (is_scan(uri) && (options.rotate_deg.value_or(0) != 0 || !options.camera_yaml_path.empty()))
+    return Error{ErrorCode::invalid_argument, uri + ": a scan has no camera; leave out --rotate and --camera"};
   if (is_scan(uri)) return open_scan(uri, {options.unit_mm, options.scan_up});
 #endif
   if (auto other = other_recording(uri)) return *other;
-  return Error{ErrorCode::unsupported,
-               uri + " is neither a folder nor a .oni file; expected a depth folder or an OpenNI2 recording"};
+  return Error{
+      ErrorCode::unsupported,
+      uri +
+          " is neither a folder nor a .oni file; expected a depth folder, an OpenNI2 recording or a scan (.ply, "
+          ".obj, .glb, .pcd)"};
 }
 
 ReconnectingSource::Opener camera_opener(const std::string& uri, const OpenOptions& options) {

@@ -14,6 +14,9 @@ using Json = nlohmann::json;
 using Matrix = std::array<double, 16>;  // columns one after the other, as glTF has them
 constexpr Matrix kIdentity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
+// A body has a mesh or two; the JSON of avatars with a hundred morphs has some 100 kB.
+constexpr std::size_t kTreeBytesMax = std::size_t{16} << 20, kPrimitivesMax = 100'000;
+
 Matrix product(const Matrix& a, const Matrix& b) {
   Matrix out{};
   for (std::size_t column = 0; column < 4; ++column)
@@ -22,12 +25,12 @@ Matrix product(const Matrix& a, const Matrix& b) {
   return out;
 }
 
-// A member that is a list or an object; an empty one where there is none.
-const Json& part(const Json& json, const char* key) {
+// A member of that kind, a list or an object; an empty one where there is none.
+const Json& part(const Json& json, const char* key, Json::value_t kind = Json::value_t::array) {
   static const Json kNone = Json::array();
   if (!json.is_object()) return kNone;
   const auto it = json.find(key);
-  return it != json.end() && it->is_structured() ? *it : kNone;
+  return it != json.end() && it->type() == kind ? *it : kNone;
 }
 std::optional<std::uint64_t> whole(const Json& json) {
   if (json.is_number_unsigned()) return json.get<std::uint64_t>();
@@ -41,7 +44,7 @@ std::optional<std::uint64_t> whole(const Json& json, const char* key) {
 template <std::size_t N>
 std::optional<std::array<double, N>> numbers(const Json& json, const char* key) {
   const Json& list = part(json, key);
-  if (!list.is_array() || list.size() != N) return std::nullopt;
+  if (list.size() != N) return std::nullopt;
   std::array<double, N> out{};
   for (std::size_t i = 0; i < N; ++i) {
     if (!list[i].is_number()) return std::nullopt;
@@ -99,6 +102,8 @@ class GlbReader {
       const auto kind = piece_of<std::uint32_t>(bytes_.data() + at + 4);
       at += 8;
       if (size > bytes_.size() - at) return bad("a part of it is cut off");
+      if (kind == kJson && size > kTreeBytesMax)
+        return bad("its JSON part is larger than " + std::to_string(kTreeBytesMax >> 20) + " MB");
       if (kind == kJson && json_.empty()) json_ = bytes_.subspan(at, size);
       if (kind == kBin && bin_.empty()) bin_ = bytes_.subspan(at, size);
       at += size;
@@ -134,8 +139,11 @@ class GlbReader {
       if (!mesh || *mesh >= meshes.size()) continue;
       // What a skin moves does not follow its node.
       const Matrix& placing = whole(node, "skin") ? kIdentity : to_scene;
-      for (const Json& primitive : part(meshes[static_cast<std::size_t>(*mesh)], "primitives"))
+      for (const Json& primitive : part(meshes[static_cast<std::size_t>(*mesh)], "primitives")) {
+        if (++primitives_ > kPrimitivesMax)
+          return bad("its nodes name more than " + std::to_string(kPrimitivesMax) + " parts of meshes");
         if (auto ok = add_primitive(primitive, placing); !ok) return ok.error();
+      }
     }
     return Ok{};
   }
@@ -167,7 +175,10 @@ class GlbReader {
     if (whole(view, "buffer").value_or(0) != 0)
       return Error{ErrorCode::unsupported, what_ + ": its points are in another file; export it as one .glb"};
     const std::uint64_t stride = whole(view, "byteStride").value_or(size);
-    const std::uint64_t from = whole(view, "byteOffset").value_or(0) + whole(accessor, "byteOffset").value_or(0);
+    const std::uint64_t of_view = whole(view, "byteOffset").value_or(0),
+                        of_all = whole(accessor, "byteOffset").value_or(0);
+    if (of_view > bin_.size() || of_all > bin_.size()) return bad("an accessor reaches past the file's end");
+    const std::uint64_t from = of_view + of_all;
     if (*count == 0 || *count > kScanTrianglesMax || stride < size || stride > 252 || from > bin_.size() ||
         (*count - 1) * stride + size > bin_.size() - from)
       return bad("an accessor reaches past the file's end");
@@ -178,7 +189,7 @@ class GlbReader {
     const std::uint64_t mode = whole(primitive, "mode").value_or(4);
     if (mode != 0 && mode != 4)
       return Error{ErrorCode::unsupported, what_ + ": it has strips, fans or lines; export it as triangles"};
-    const auto position = whole(part(primitive, "attributes"), "POSITION");
+    const auto position = whole(part(primitive, "attributes", Json::value_t::object), "POSITION");
     if (!position) return Ok{};
     const auto points = rows(*position, "VEC3");
     if (!points) return points.error();
@@ -233,6 +244,7 @@ class GlbReader {
   ScanBytes bytes_, json_, bin_;
   const std::string& what_;
   Json json_tree_;
+  std::size_t primitives_ = 0;
   RawScan scan_;
 };
 

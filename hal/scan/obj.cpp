@@ -39,6 +39,8 @@ Result<RawScan> read_obj(ScanBytes bytes, const std::string& what) {
           return bad_scan(what, "line " + std::to_string(number) + " has a corner that is no point's number");
         if (place == 0) t[0] = *corner;
         if (place >= 2) {
+          if (scan.triangles.size() == kScanTrianglesMax)
+            return bad_scan(what, "it has more than " + std::to_string(kScanTrianglesMax) + " triangles");
           t[1] = t[2];
           t[2] = *corner;
           scan.triangles.push_back(t);
@@ -46,8 +48,6 @@ Result<RawScan> read_obj(ScanBytes bytes, const std::string& what) {
           t[2] = *corner;
         }
       }
-      if (scan.triangles.size() > kScanTrianglesMax)
-        return bad_scan(what, "it has more than " + std::to_string(kScanTrianglesMax) + " triangles");
     }
   }
   return scan;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // PCD, the point clouds of PCL (pointclouds.org, "The PCD file format", version 0.7): text, binary, and binary
 // compressed by LZF field by field.
+#include <array>
 #include <limits>
 
 #include "hal/scan/scan_readers.h"
@@ -19,9 +20,10 @@ constexpr std::size_t kFieldsMax = 64, kPointBytesMax = 4096;
 
 struct Header {
   std::vector<Field> fields;
-  std::size_t points = 0, stride = 0, words = 0;
+  std::size_t points = 0, stride = 0;
   std::string_view data;
-  const Field* axis[3] = {};
+  std::array<std::size_t, 3> axes{};  // which of `fields`
+  const Field& axis(std::size_t a) const { return fields[axes[a]]; }
 };
 
 Result<Header> read_header(std::string_view& text, const std::string& what) {
@@ -73,16 +75,18 @@ Result<Header> read_header(std::string_view& text, const std::string& what) {
   if (points > kScanPointsMax)
     return bad_scan(what, "it has more than " + std::to_string(kScanPointsMax) + " points");
   header.points = static_cast<std::size_t>(points);
-  for (Field& field : header.fields) {
+  header.axes.fill(header.fields.size());
+  for (std::size_t f = 0; f < header.fields.size(); ++f) {
+    Field& field = header.fields[f];
     field.offset = header.stride;
     header.stride += field.size * field.count;
-    header.words += field.count;
     if (header.stride > kPointBytesMax) return bad_scan(what, "its points have more than 4096 bytes each");
     for (std::size_t a = 0; a < 3; ++a)
-      if (field.name == std::string_view("xyz").substr(a, 1)) header.axis[a] = &field;
+      if (field.name == std::string_view("xyz").substr(a, 1)) header.axes[a] = f;
   }
-  for (const Field* field : header.axis)
-    if (field == nullptr || field->type != 'F' || field->count != 1 || (field->size != 4 && field->size != 8))
+  for (const std::size_t f : header.axes)
+    if (f == header.fields.size() || header.fields[f].type != 'F' || header.fields[f].count != 1 ||
+        (header.fields[f].size != 4 && header.fields[f].size != 8))
       return bad_scan(what, "its points have no x, y and z of type F");
   return header;
 }
@@ -104,7 +108,7 @@ Result<RawScan> read_text(const Header& header, std::string_view text, const std
         const std::string_view word = take_word(line);
         if (word.empty()) return bad_scan(what, "point " + std::to_string(i) + " is cut off");
         for (std::size_t a = 0; a < 3; ++a) {
-          if (&field != header.axis[a]) continue;
+          if (&field != &header.axis(a)) continue;
           const auto value = decimal_of(word);
           if (!value) return bad_scan(what, "point " + std::to_string(i) + " is no number");
           *out[a] = static_cast<float>(*value);
@@ -149,9 +153,9 @@ Result<RawScan> read_binary(const Header& header, ScanBytes bytes, const std::st
   scan.points.reserve(header.points);
   for (std::size_t i = 0; i < header.points; ++i) {
     const std::byte* at = bytes.data() + i * header.stride;
-    scan.points.push_back({coordinate(*header.axis[0], at + header.axis[0]->offset),
-                           coordinate(*header.axis[1], at + header.axis[1]->offset),
-                           coordinate(*header.axis[2], at + header.axis[2]->offset)});
+    scan.points.push_back({coordinate(header.axis(0), at + header.axis(0).offset),
+                           coordinate(header.axis(1), at + header.axis(1).offset),
+                           coordinate(header.axis(2), at + header.axis(2).offset)});
   }
   return scan;
 }
@@ -172,7 +176,7 @@ Result<RawScan> read_compressed(const Header& header, ScanBytes bytes, const std
     return coordinate(field, all.data() + field.offset * header.points + i * field.size);
   };
   for (std::size_t i = 0; i < header.points; ++i)
-    scan.points.push_back({value(*header.axis[0], i), value(*header.axis[1], i), value(*header.axis[2], i)});
+    scan.points.push_back({value(header.axis(0), i), value(header.axis(1), i), value(header.axis(2), i)});
   return scan;
 }
 

@@ -47,6 +47,8 @@ class PlyReader {
   Result<RawScan> read() {
     if (auto ok = read_header(); !ok) return ok.error();
     for (const Element& element : elements_) {
+      if (element.count == 0 || (element.properties.empty() && element.name != "vertex" && element.name != "face"))
+        continue;
       const Status ok = element.name == "vertex" ? read_vertices(element)
                         : element.name == "face" ? read_faces(element)
                                                  : pass(element);
@@ -175,7 +177,8 @@ class PlyReader {
   }
 
   Status read_vertices(const Element& element) {
-    if (element.count > kScanPointsMax) return bad("it has more than " + std::to_string(kScanPointsMax) + " points");
+    if (element.count > kScanPointsMax - scan_.points.size())
+      return bad("it has more than " + std::to_string(kScanPointsMax) + " points");
     std::array<std::size_t, 3> axis{};
     for (std::size_t a = 0; a < axis.size(); ++a) {
       axis[a] = element.properties.size();
@@ -184,7 +187,7 @@ class PlyReader {
           axis[a] = p;
       if (axis[a] == element.properties.size()) return bad("its vertices have no x, y and z");
     }
-    scan_.points.reserve(element.count);
+    scan_.points.reserve(scan_.points.size() + element.count);
     for (std::size_t i = 0; i < element.count; ++i) {
       std::array<float, 3> at{};
       const bool whole = take(element, [&](std::size_t p, double read, std::size_t) {
@@ -215,7 +218,7 @@ class PlyReader {
         if (place >= 2) {
           t[1] = t[2];
           t[2] = corner;
-          scan_.triangles.push_back(t);
+          if (scan_.triangles.size() <= kScanTrianglesMax) scan_.triangles.push_back(t);
         } else {
           t[2] = corner;
         }

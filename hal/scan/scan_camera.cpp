@@ -71,6 +71,7 @@ void ScanCamera::draw_triangles() {
     const Vec3f a = seen_[t[0]], b = seen_[t[1]], c = seen_[t[2]];
     const float area = edge(a, b, c.x, c.y);
     if (area == 0) continue;
+    // The person is within 1.5 m of the axis: nothing here is larger than some thousand pixels.
     const int u0 = std::max(0, static_cast<int>(std::ceil(std::min({a.x, b.x, c.x}))));
     const int u1 = std::min(kWidth - 1, static_cast<int>(std::floor(std::max({a.x, b.x, c.x}))));
     const int v0 = std::max(0, static_cast<int>(std::ceil(std::min({a.y, b.y, c.y}))));

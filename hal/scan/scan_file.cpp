@@ -38,7 +38,7 @@ Result<Scan> checked_scan(RawScan raw, const std::string& what) {
   scan.points.reserve(raw.points.size());
   for (std::size_t i = 0; i < raw.points.size(); ++i) {
     const Vec3f p = raw.points[i];
-    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) continue;
+    if (!(std::fabs(p.x) < kScanReach && std::fabs(p.y) < kScanReach && std::fabs(p.z) < kScanReach)) continue;
     place[i] = static_cast<std::uint32_t>(scan.points.size());
     scan.points.push_back(p);
   }
@@ -58,8 +58,12 @@ Result<Scan> checked_scan(RawScan raw, const std::string& what) {
 std::optional<double> decimal_of(std::string_view word) {
   const bool negative = !word.empty() && word.front() == '-';
   if (negative || (!word.empty() && word.front() == '+')) word.remove_prefix(1);
-  for (const std::string_view name : {"nan", "NaN", "inf", "Inf", "infinity"})
-    if (word == name) return std::numeric_limits<double>::quiet_NaN();
+  // As C's and Microsoft's printf write them: nan, NaN, -nan(ind), inf, 1.#QNAN.
+  if (word.size() >= 3) {
+    std::string name(word.substr(0, 3));
+    for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    if (name == "nan" || name == "inf" || name == "1.#") return std::numeric_limits<double>::quiet_NaN();
+  }
   double value = 0;
   std::int64_t places = 0;
   std::size_t at = 0;
@@ -81,7 +85,7 @@ std::optional<double> decimal_of(std::string_view word) {
     if (!exponent) return std::nullopt;
     places += *exponent;
   }
-  value *= std::pow(10.0, static_cast<double>(places));
+  if (value != 0) value *= std::pow(10.0, static_cast<double>(places));
   return negative ? -value : value;
 }
 

@@ -15,16 +15,16 @@ namespace im2fit::hal {
 using ScanTriangle = std::array<std::uint32_t, 3>;
 
 struct Scan {
-  std::vector<Vec3f> points;            // finite
+  std::vector<Vec3f> points;
   std::vector<ScanTriangle> triangles;  // of `points`; empty: a cloud
 };
 
 // A name that ends in .ply, .obj, .glb or .pcd, in either case.
 bool is_scan_name(const std::string& path);
 
-// PLY (text and binary), OBJ, glTF 2 in one file (.glb) and PCD (text, binary, compressed), by the file's first bytes
-// and its name. Positions and faces alone are read; faces of more than three corners are cut into triangles. A point
-// that is not finite is left out together with its faces.
+// PLY (text and binary), OBJ, glTF 2 in one file (.glb) and PCD (text, binary, compressed), by the name's ending.
+// Positions and faces alone are read; faces of more than three corners are cut into triangles. A point that is not
+// finite, or farther than 10 million units from the origin, is left out together with its faces.
 // Errors: as read_file; corrupt: what is wrong and where; unsupported: a kind of content that is not read.
 Result<Scan> read_scan(const std::string& path);
 

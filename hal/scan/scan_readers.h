@@ -23,7 +23,9 @@ namespace im2fit::hal {
 
 inline constexpr std::size_t kScanBytesMax = std::size_t{512} << 20;
 // A scanner's finest mesh of a person has some two million.
-inline constexpr std::size_t kScanPointsMax = 20'000'000, kScanTrianglesMax = 40'000'000;
+inline constexpr std::size_t kScanPointsMax = 10'000'000, kScanTrianglesMax = 10'000'000;
+// Of a coordinate, in the file's unit. Farther out single precision has no millimetres left.
+inline constexpr float kScanReach = 1e7F;
 
 // Before they are checked: a point may not be finite, a corner may not exist.
 struct RawScan {
@@ -38,7 +40,8 @@ Result<RawScan> read_obj(ScanBytes bytes, const std::string& what);
 Result<RawScan> read_glb(ScanBytes bytes, const std::string& what);
 Result<RawScan> read_pcd(ScanBytes bytes, const std::string& what);
 
-// Without points that are not finite and the faces of these. Error: a corner that is no point; no points.
+// Without points that are not finite or out of reach, and the faces of these. Error: a corner that is no point; no
+// points.
 Result<Scan> checked_scan(RawScan raw, const std::string& what);
 
 inline Error bad_scan(const std::string& what, const std::string& why) {
@@ -74,7 +77,8 @@ inline std::string_view take_word(std::string_view& text) {
 template <class T>
 std::optional<T> number_of(std::string_view word) {
   static_assert(std::is_integral_v<T>);
-  if (!word.empty() && word.front() == '+') word.remove_prefix(1);
+  if (word.starts_with("+-")) return std::nullopt;
+  if (word.starts_with('+')) word.remove_prefix(1);
   T value{};
   const auto read = std::from_chars(word.data(), word.data() + word.size(), value);
   if (word.empty() || read.ptr != word.data() + word.size() || read.ec != std::errc{}) return std::nullopt;

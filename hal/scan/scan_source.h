@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scan as a source of frames: a camera that looks at the front, then goes round once, its poses told.
+// A scan as a source of frames: a camera that looks at the front, then goes round once, with its poses.
 #pragma once
 
 #include <memory>

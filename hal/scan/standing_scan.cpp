@@ -20,6 +20,8 @@ constexpr float kHeightMinMm = 1200, kHeightMaxMm = 2300;
 // Points beyond these shares are dust.
 constexpr double kLowShare = 0.001, kHighShare = 0.999;
 
+constexpr float kAboutMaxMm = 1500;
+constexpr double kBoxesMaxMm2 = 2e8;       // of a body some 1e7
 constexpr float kUprightCosine = 0.9976F;  // of 4 degrees
 constexpr int kUprightRounds = 3;
 
@@ -191,6 +193,22 @@ Vec3f feet_to_head(const std::vector<Vec3f>& points) {
   return normalized(Vec3f{static_cast<float>(head.x - feet.x), 0.9F * y.size(), static_cast<float>(head.z - feet.z)});
 }
 
+// What lies about the person: further aside from their middle than they are tall, or beyond half of that above and
+// below.
+void leave_out_dust(std::vector<Vec3f>& points, std::vector<ScanTriangle>& triangles) {
+  const Range y = range_of(points, [](Vec3f p) { return p.y; });
+  const float x = range_of(
+                      points, [](Vec3f p) { return p.x; }, 0.5, 0.5)
+                      .low;
+  const float z = range_of(
+                      points, [](Vec3f p) { return p.z; }, 0.5, 0.5)
+                      .low;
+  keep_points(points, triangles, [&](Vec3f p) {
+    return std::fabs(p.x - x) < y.size() && std::fabs(p.z - z) < y.size() && p.y > y.low - 0.5F * y.size() &&
+           p.y < y.high + 0.5F * y.size();
+  });
+}
+
 // The smallest turn that takes `from`, a unit vector with y > 0, to +y.
 void set_upright(std::vector<Vec3f>& points, Vec3f from) {
   const float per = 1 / (1 + from.y);
@@ -244,6 +262,23 @@ void turn_outwards(const std::vector<Vec3f>& points, std::vector<ScanTriangle>& 
     for (ScanTriangle& t : triangles) std::swap(t[1], t[2]);
 }
 
+// Squares about all triangles: what a picture of them costs.
+double boxes_mm2(const StandingScan& scan) {
+  double sum = 0;
+  for (const ScanTriangle& t : scan.triangles) {
+    float longest = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+      longest = std::max(longest, norm(scan.points[t[i]] - scan.points[t[(i + 1) % 3]]));
+    sum += static_cast<double>(longest) * static_cast<double>(longest);
+  }
+  return sum;
+}
+
+Error too_few(std::size_t count, const std::string& what) {
+  return {ErrorCode::corrupt, what + ": it has " + std::to_string(count) + " points of a person, too few (" +
+                                  std::to_string(kPointsMin) + ")"};
+}
+
 std::string shortly(double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.3g", value);
@@ -253,9 +288,7 @@ std::string shortly(double value) {
 }  // namespace
 
 Result<StandingScan> stand_scan(Scan scan, const ScanOptions& options, const std::string& what) {
-  if (scan.points.size() < kPointsMin)
-    return Error{ErrorCode::corrupt, what + ": it has " + std::to_string(scan.points.size()) +
-                                         " points, too few for a person (" + std::to_string(kPointsMin) + ")"};
+  if (scan.points.size() < kPointsMin) return too_few(scan.points.size(), what);
   const Up* up = nullptr;
   for (const Up& known : kUps)
     if (options.up == known.name) up = &known;
@@ -269,6 +302,7 @@ Result<StandingScan> stand_scan(Scan scan, const ScanOptions& options, const std
   out.triangles = std::move(scan.triangles);
   for (Vec3f& p : out.points) p = up->turned(p);
 
+  leave_out_dust(out.points, out.triangles);
   for (int round = 0; round < kUprightRounds; ++round) {
     const Vec3f along = feet_to_head(out.points);
     if (along.y > kUprightCosine) break;
@@ -302,7 +336,7 @@ Result<StandingScan> stand_scan(Scan scan, const ScanOptions& options, const std
   const auto mm = static_cast<float>(out.unit_mm);
   for (Vec3f& p : out.points) p = p * mm;
   out.height_mm = height * mm;
-  if (out.height_mm < kHeightMinMm || out.height_mm > kHeightMaxMm)
+  if (!(out.height_mm >= kHeightMinMm && out.height_mm <= kHeightMaxMm))
     return Error{ErrorCode::invalid_argument, what + ": with this unit it is " +
                                                   shortly(static_cast<double>(out.height_mm)) +
                                                   " mm tall, expected a standing person of 1200 to 2300"};
@@ -314,6 +348,11 @@ Result<StandingScan> stand_scan(Scan scan, const ScanOptions& options, const std
     constexpr double kAsideMin = 0.75;  // cosine
     if (square->z > kAsideMin) face(out.points, *square);
   }
+  // The camera stands 2.4 m away.
+  keep_points(out.points, out.triangles, [](Vec3f p) { return std::hypot(p.x, p.z) < kAboutMaxMm; });
+  if (out.points.size() < kPointsMin) return too_few(out.points.size(), what);
+  if (boxes_mm2(out) > kBoxesMaxMm2)
+    return Error{ErrorCode::corrupt, what + ": its triangles lie over one another many times; export it again"};
   turn_outwards(out.points, out.triangles);
   return out;
 }

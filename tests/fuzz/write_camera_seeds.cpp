@@ -2,6 +2,7 @@
 // Sound input for the fuzzers of cameras, of texts and of the page to start from: write_camera_seeds DIRECTORY makes
 // camera_yaml/, oni_protocol/, depth_picture/, folder_times/, pose_table/, recorder_text/, scan/, size_chart/ and
 // http/.
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -38,6 +39,26 @@ std::string two_frames(bool complete) {
   }
   append(out, oni::Header{oni::kMagic, oni::Kind::end, sizeof(oni::End), 0});
   append(out, oni::End{complete ? 1U : 0U});
+  return out;
+}
+
+// A figure of two tubes as tall and wide as a person, mm.
+std::string figure_obj() {
+  std::string out = "\x01";
+  for (int row = 0; row < 60; ++row)
+    for (int i = 0; i < 12; ++i) {
+      char line[64];
+      const double angle = i * 0.5236, wide = row < 50 ? 180 : 80;
+      std::snprintf(line, sizeof line, "v %.0f %d %.0f\n", wide * std::sin(angle), 29 * row,
+                    0.6 * wide * std::cos(angle));
+      out += line;
+    }
+  for (int row = 0; row < 59; ++row)
+    for (int i = 0; i < 12; ++i) {
+      const int a = 12 * row + i + 1, b = 12 * row + (i + 1) % 12 + 1;
+      out += "f " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(b + 12) + " " +
+             std::to_string(a + 12) + "\n";
+    }
   return out;
 }
 
@@ -128,6 +149,7 @@ int main(int argc, char** argv) {
                               "float y\nproperty float z\nend_header\n" +
                               std::string(24, '\x3F')},
       {"scan/obj", "\x01v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/2/2 -1//3\n"},
+      {"scan/figure", figure_obj()},
       {"scan/glb", "\x02" + glb()},
       {"scan/pcd",
        "\x03VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA "

@@ -62,7 +62,7 @@ TEST(DepthDiagnosis, OfAUnitAlreadyGivenSaysTheOneInItsPlace) {
   const DepthDiagnosis plain = depth_diagnosis(DepthView(picture.data(), 320, 240));
   EXPECT_EQ(read_in_unit(plain, 1).text, plain.text);
   const DepthDiagnosis found = read_in_unit(plain, 2.5);
-  EXPECT_EQ(found.text, "in units of 2.5 mm values look like 0.1 mm units; try --unit 0.25");
+  EXPECT_EQ(found.text, "read in units of 2.5 mm, the values look like 0.1 mm units; try --unit 0.25");
   EXPECT_FLOAT_EQ(found.unit_mm, 0.25F);
   const DepthDiagnosis dark = {DiagnosisCode::little_depth, 0, 0, "the last picture is nearly without depth"};
   EXPECT_EQ(read_in_unit(dark, 2.5).text, dark.text);

@@ -148,6 +148,27 @@ TEST(Scans, AFloorThatWasScannedIsLeftOut) {
   EXPECT_LT(farthest, 300);
 }
 
+TEST(Scans, DustAndPointsFarAwayAreLeftOut) {
+  Scan scan = figure();
+  const std::size_t body = scan.points.size();
+  for (int i = 0; i < 3; ++i) scan.points.push_back({9e6F, 3e5F * static_cast<float>(i), -9e6F});
+  scan.points.push_back({0, 9000, 0});
+  scan.points.push_back({2500, 500, 0});
+  const auto stood = stand_scan(std::move(scan), {}, "a.ply");
+  ASSERT_TRUE(stood) << stood.error().message;
+  EXPECT_EQ(stood->points.size(), body);
+  EXPECT_NEAR(stood->height_mm, kTallMm, 5);
+}
+
+TEST(Scans, TrianglesThatLieOverOneAnotherAreRefused) {
+  Scan scan = figure();
+  const auto last = static_cast<std::uint32_t>(scan.points.size() - 1);
+  for (int i = 0; i < 100'000; ++i) scan.triangles.push_back({0, 1, last});
+  const auto stood = stand_scan(std::move(scan), {}, "a.ply");
+  ASSERT_FALSE(stood);
+  EXPECT_TRUE(contains(stood.error().message, "over one another")) << stood.error().message;
+}
+
 TEST(Scans, WhatIsNoPersonIsRefusedWithWhatToGive) {
   const auto tiny = stand_scan(moved(figure(), [](Vec3f p) { return p * 0.3F; }), {}, "toy.ply");
   ASSERT_FALSE(tiny);
@@ -377,13 +398,13 @@ TEST_F(Files, ObjWithFacesOfFourAndNumbersFromTheEnd) {
   const auto square = read_scan(folder_.path("b.obj"));
   ASSERT_TRUE(square);
   EXPECT_EQ(square->triangles, (std::vector<ScanTriangle>{{0, 1, 2}, {0, 2, 3}}));
-  put("e.obj", "v -1.5e2 +0.25 1E-3\nv nan 1 2\nv .5 5. 3\n");
+  put("e.obj", "v -1.5e2 +0.25 1E-3\nv nan 1 2\nv 0 -nan(ind) INF\nv 0e400 1e9 0\nv .5 5. 3\n");
   const auto numbers = read_scan(folder_.path("e.obj"));
   ASSERT_TRUE(numbers);
   ASSERT_EQ(numbers->points.size(), 2U);
   EXPECT_LT(norm(numbers->points[0] - Vec3f{-150, 0.25F, 0.001F}), 1e-5F);
   EXPECT_LT(norm(numbers->points[1] - Vec3f{0.5F, 5, 3}), 1e-5F);
-  for (const char* word : {"1.2.3", "e5", "1e", "--1", "0x10", "1,5"}) {
+  for (const char* word : {"1.2.3", "+-1", "1e+-5", "e5", "1e", "--1", "0x10", "1,5"}) {
     put("f.obj", "v 0 0 " + std::string(word) + "\n");
     EXPECT_FALSE(read_scan(folder_.path("f.obj"))) << word;
   }
@@ -430,6 +451,16 @@ TEST_F(Files, Glb) {
   put("a.glb", glb(json));
   expect_figure("a.glb");
   expect_refused_when_cut("a.glb", glb(json), 0);
+  // Where a list belongs, an object.
+  for (const char* key : {"scenes", "nodes", "meshes", "accessors", "bufferViews"}) {
+    std::string other = json;
+    const std::size_t at = other.find("\"" + std::string(key) + "\":[", key == std::string("nodes") ? 60 : 0);
+    ASSERT_NE(at, std::string::npos) << key;
+    other.replace(at, std::string(key).size() + 3, "\"" + std::string(key) + "\":{},\"x\":");
+    other.resize((other.size() + 3) / 4 * 4, ' ');
+    put("c.glb", glb(other));
+    EXPECT_FALSE(read_scan(folder_.path("c.glb"))) << key;
+  }
   std::string packed = json;
   packed.insert(1, R"("extensionsRequired":["KHR_draco_mesh_compression"],)");
   put("b.glb", glb(packed));
@@ -529,6 +560,9 @@ TEST_F(Files, AScanIsASourceThatGoesRoundOnce) {
   OpenOptions wrong;
   wrong.unit_mm = 10;
   EXPECT_FALSE(open_source(folder_.path("a.ply"), wrong));
+  OpenOptions turned;
+  turned.rotate_deg = 90;
+  EXPECT_FALSE(open_source(folder_.path("a.ply"), turned));
 }
 
 }  // namespace
