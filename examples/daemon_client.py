@@ -87,6 +87,8 @@ def main(words):
     elif command == "users":
         for user in daemon.ask("users")["users"]:
             print(json.dumps(user))
+    elif command not in ("", "consent"):
+        raise RuntimeError(f"there is no command {command}; see --help")
     else:
         if command == "consent":
             daemon.ask("consent")
@@ -94,6 +96,7 @@ def main(words):
             print(show(event), flush=True)
             if event["event"] == "measured" and command == "consent":
                 return
+        raise RuntimeError("the service has ended")
 
 
 if __name__ == "__main__":
@@ -102,5 +105,5 @@ if __name__ == "__main__":
     else:
         try:
             main(sys.argv[1:])
-        except (OSError, RuntimeError, IndexError) as error:
+        except (OSError, RuntimeError, IndexError, ValueError) as error:
             sys.exit(f"daemon_client: {error}")

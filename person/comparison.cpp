@@ -28,6 +28,9 @@ constexpr RepeatErrors kRepeatErrors[] = {
     {"around", {4.1, 4.6, 2.7, 2.9, 7.4, 6.7, 5.9, 5.4, 8.2, 2.9, 0.6}},
 };
 
+// People are taller in the morning by up to so much (docs/compare.md).
+constexpr double kWithinADayMm = 20;
+
 std::string text_at(const Json& root, const char* pointer) {
   const Json::json_pointer at(pointer);
   return root.contains(at) && root[at].is_string() ? root[at].get<std::string>() : std::string();
@@ -63,17 +66,17 @@ std::vector<std::string> reasons_to_widen(const Capture& a, const Capture& b) {
   std::vector<std::string> all;
   add_if(all, a.views != b.views, "views: " + or_none(a.views) + " and " + or_none(b.views));
   add_if(all, a.views == b.views && repeat_error(Measurement::stature, a.views) == 0,
-         "views: of " + or_none(a.views) + " it is not known how captures repeat");
-  add_if(all, a.index.empty() || b.index.empty(), "models: a result does not say which made it");
+         "repeatability is not known for the views " + or_none(a.views));
+  add_if(all, a.index.empty() || b.index.empty(), "the results do not both name their models");
   add_if(all, !a.index.empty() && !b.index.empty() && a.index != b.index,
          "models: index " + a.index + " and " + b.index);
   add_if(all, a.program != b.program, "program: " + or_none(a.program) + " and " + or_none(b.program));
   add_if(all, a.answered_as != b.answered_as,
          "clothing: " + or_none(a.answered_as) + " and " + or_none(b.answered_as));
   add_if(all, a.answered_as == b.answered_as && a.answered_as != "bare",
-         "clothing: of dressed people it is not known how captures repeat");
+         "repeatability is not known for dressed people");
   add_if(all, a.site != b.site, "site calibration: " + or_none(a.site) + " and " + or_none(b.site));
-  add_if(all, a.known != b.known, "facts that the person knows: not the same ones");
+  add_if(all, a.known != b.known, "the reported facts differ");
   return all;
 }
 
@@ -121,13 +124,15 @@ Comparison compare(const Capture& before, const Capture& after) {
   for (std::size_t i = 0; i < kMeasurementCount; ++i) {
     const auto measurement = static_cast<Measurement>(i);
     const index::IntervalEstimate &a = before.measurements[i], &b = after.measurements[i];
-    const double tem = out.wider.empty() ? repeat_error(measurement, before.views) : 0;
+    const double repeated =
+        before.views == after.views ? std::sqrt(2.0) * repeat_error(measurement, before.views) : 0;
     const auto half_a = static_cast<double>(half_of(a)), half_b = static_cast<double>(half_of(b));
-    const double sd = tem > 0 ? std::sqrt(2.0) * tem : std::sqrt(half_a * half_a + half_b * half_b) / kComparisonSds;
+    const double independent = std::hypot(half_a, half_b) / kComparisonSds;
+    const double sd = out.wider.empty() ? repeated : std::max(repeated, independent);
     out.changes[i] = {measurement, a.value, b.value, b.value - a.value, static_cast<float>(kComparisonSds * sd)};
     if (measurement == Measurement::stature)
       out.two_people = std::fabs(static_cast<double>(b.value) - static_cast<double>(a.value)) >
-                       std::sqrt(half_a * half_a + half_b * half_b);
+                       std::hypot(half_a, half_b) + kWithinADayMm;
   }
   return out;
 }

@@ -76,7 +76,9 @@ std::string full_result_json(const PersonMeasurement& person, const MeasuringDat
   std::string text = result_json(person, timing);
   if (!person.result.measured) return text;
   Json json = *parse_json<Json>(text, "result.json");
-  json["made_by"] = {{"im2fit", IM2FIT_VERSION}, {"index", fmt::format("{:08x}", index_digest(data.files.index))}};
+  // Not read: the results of unknown models are not alike.
+  const std::uint32_t digest = index_digest(data.files.index);
+  json["made_by"] = {{"im2fit", IM2FIT_VERSION}, {"index", digest == 0 ? "" : fmt::format("{:08x}", digest)}};
   if (person.body && data.body_model) {
     json["figures"] = figures_json(body_figures(person.result.answer, *person.body, *data.body_model, person.tape,
                                                 person.tape_values, person.tape_intervals));

@@ -282,11 +282,11 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
                     ->capture_default_str();
   auto* twice = sub.add_flag("--twice", o.evaluation.twice,
                              "Render each person a second time in a new pose, room and noise: repeatability (TEM)");
-  auto* second_waist =
-      sub.add_option("--second-waist", o.evaluation.second_waist_mm,
-                     "With --twice: by how much the waist has grown the second time, mm; see `again` of --people")
-          ->range(-200.0F, 200.0F)
-          ->needs(twice);
+  auto* second_waist = sub.add_option("--second-waist", o.evaluation.second_waist_mm,
+                                      "With --twice: by how much the waist has grown the second time, mm; see "
+                                      "`again` of --people. Not of `other`")
+                           ->range(-200.0F, 200.0F)
+                           ->needs(twice);
   auto* samples =
       sub.add_option("--samples", o.samples, "Samples of the index (default: INDEX.samples)")->type_name("DIR");
   auto* no_raw = sub.add_flag("--no-raw", o.no_raw, "Leave out the paper's nearest neighbour: twice as fast");

@@ -81,8 +81,8 @@ Result<int> run_compare(const CompareOptions& options) {
   }
   fmt::print("{}", comparison_table(all));
   if (all.two_people)
-    fmt::print("Two people: the statures differ by more than both intervals allow. No change is judged.\n");
-  for (const std::string& reason : all.wider) fmt::print("Wider, for the {}\n", printable(reason));
+    fmt::print("Two people: the statures differ by more than both intervals and a day allow. No change is judged.\n");
+  for (const std::string& reason : all.wider) fmt::print("Wider intervals: {}\n", printable(reason));
   return kExitOk;
 }
 

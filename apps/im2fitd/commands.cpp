@@ -56,12 +56,12 @@ Result<Command> parse_command(std::string_view line, Json& id) {
     return wrong("expected {\"COMMAND\": {}} on one line (docs/daemon.md)");
   Command command;
   std::string name;
+  if (const auto given = read->find("id"); given != read->end()) {
+    if (!is_id(*given)) return wrong(fmt::format("id: expected a whole number or a text of {} bytes", kIdBytesMax));
+    id = command.client = *given;
+  }
   for (const auto& [key, value] : read->items()) {
-    if (key == "id") {
-      if (!is_id(value)) return wrong(fmt::format("id: expected a whole number or a text of {} bytes", kIdBytesMax));
-      id = command.client = value;
-      continue;
-    }
+    if (key == "id") continue;
     if (!name.empty()) return wrong("expected one command on a line (docs/daemon.md)");
     name = key;
     const auto wish = wish_of(key);

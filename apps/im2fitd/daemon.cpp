@@ -222,7 +222,10 @@ Result<Pumped> Daemon::take_frame(hal::Source& source) {
 void Daemon::see(const FrameSeen& frame) {
   processed_.fetch_add(1, std::memory_order_relaxed);
   frame_ns_ = frame.info.host_ns;
-  if (frame.result.user != 0 || in_view_ns_ < 0) in_view_ns_ = frame.info.host_ns;
+  // Once the view was empty for too long nobody renews the consent: who comes then has not given it.
+  const std::int64_t since_ns = in_view_ns_, now_ns = frame.info.host_ns;
+  const std::int64_t most_ns = std::int64_t{1'000'000'000} * config_.consent_absent_s;
+  if (since_ns < 0 || (frame.result.user != 0 && now_ns - since_ns <= most_ns)) in_view_ns_ = now_ns;
   const std::lock_guard lock(masks_.mutex);
   if (!masks_.wanted || frame.mask.pixels == nullptr) return;
   masks_.wanted = false;

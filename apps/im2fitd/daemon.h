@@ -65,7 +65,8 @@ class Daemon {
   std::optional<std::string> select_user(const Command& command);
   std::optional<std::string> send_avatar(const ClientLine& line, const Command& command);
   void begin_anew();
-  void erase(const Command& command);
+  std::optional<std::string> erase(const Command& command);
+  std::string erase_kept();
   void send_users(const ClientLine& line, const Command& command);
   void send_masks();
   void end_consent();

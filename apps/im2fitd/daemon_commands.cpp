@@ -10,6 +10,7 @@
 #include "apps/im2fitd/daemon.h"
 #include "apps/im2fitd/log.h"
 #include "body/export/export.h"
+#include "core/file.h"
 #include "hal/frame_path.h"
 
 namespace im2fit::daemon {
@@ -75,8 +76,7 @@ std::optional<std::string> Daemon::obey(const ClientLine& line, const Command& c
     case Wish::consent:
       return take_consent(command);
     case Wish::erase:
-      erase(command);
-      return std::nullopt;
+      return erase(command);
     case Wish::avatar:
       return send_avatar(line, command);
     case Wish::known:
@@ -149,15 +149,28 @@ void Daemon::begin_anew() {
   state_event_ = nullptr;
 }
 
+// The last result's file, and what a program that was killed has left of writing it. What is still there, or "".
+std::string Daemon::erase_kept() {
+  if (state_directory_.empty()) return "";
+  const std::string kept = "last-result.json";
+  std::vector<std::filesystem::path> found;
+  std::error_code code;
+  std::filesystem::directory_iterator it(state_directory_, code);
+  for (const std::filesystem::directory_iterator end; !code && it != end; it.increment(code))
+    if (const std::string name = it->path().filename().string(); name == kept || is_temporary_of(name, kept))
+      found.push_back(it->path());
+  for (const auto& path : found)
+    if (!code) std::filesystem::remove(path, code);
+  if (!code) return "";
+  return "delete: " + state_directory_ + "/" + kept + " was not deleted: " + code.message() +
+         "; make the folder writable and send delete again";
+}
+
 // Without consent.ask the engine keeps the numbers of a person in view until that person has left: it would measure
 // them again otherwise.
-void Daemon::erase(const Command& command) {
+std::optional<std::string> Daemon::erase(const Command& command) {
   body_.reset();
-  if (!state_directory_.empty()) {
-    std::error_code code;
-    std::filesystem::remove(state_directory_ + "/last-result.json", code);
-    if (code) log(Level::error, state_directory_ + "/last-result.json was not deleted: " + code.message());
-  }
+  const std::string fault = erase_kept();
   facts_.reset();
   if (engine_ != nullptr && consented_) {
     if (config_.consent_ask)
@@ -167,8 +180,13 @@ void Daemon::erase(const Command& command) {
     else
       begin_anew();
   }
+  if (!fault.empty()) {
+    log(Level::error, fault);
+    return fault;
+  }
   say(with_id({{"event", "deleted"}, {"frame", frames_}, {"person", persons_}}, command.client));
   log(Level::info, "a client had the last measurement deleted");
+  return std::nullopt;
 }
 
 std::optional<std::string> Daemon::send_avatar(const ClientLine& line, const Command& command) {

@@ -44,6 +44,8 @@ Result<std::string> kept_region(const std::string& root, const std::string& came
 Status keep_region(const std::string& root, const std::string& camera, const std::string& region) {
   if (auto made = sessions::make_root(root); !made) return made;
   auto json = read_regions(regions_file(root));
+  if (!json && json.error().code != ErrorCode::not_found && json.error().code != ErrorCode::corrupt)
+    return json.error();
   Json all = json ? std::move(*json) : Json{{"schema", kRegionsSchema}, {"cameras", Json::object()}};
   if (region.empty())
     all["cameras"].erase(camera);

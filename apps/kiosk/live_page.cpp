@@ -354,7 +354,7 @@ void LivePage::see(const FrameSeen& frame) {
   }
   if (desk_) {
     desk_->see(visit, frame);
-    desk_->look(frame);
+    desk_->look(visit, frame);
   }
   if (server_->watchers() == 0) return;
   move(frame);

@@ -86,7 +86,8 @@ OperatorRegion OperatorDesk::region() const {
   return region_;
 }
 
-void OperatorDesk::look(const FrameSeen& frame) {
+void OperatorDesk::look(std::uint64_t visit, const FrameSeen& frame) {
+  if (std::exchange(looked_visit_, visit) != visit) empty_since_ns_ = looked_ns_ = 0;
   const std::int64_t now = frame.info.host_ns;
   if (frame.result.user != 0 || !has(frame.result.guidance, Guidance::no_person)) {
     if (std::exchange(empty_since_ns_, 0) == 0 && looked_ns_ == 0) return;
@@ -138,6 +139,7 @@ Status OperatorDesk::visit_over(std::uint64_t visit, bool erased) {
   std::string saved;
   {
     const std::lock_guard lock(mutex_);
+    diagnosis_ = {};
     if (visit_ != visit || (phase_ != Phase::recording && !erased)) return Ok{};
     phase_ = Phase::idle;
     going.swap(recorder_);
@@ -294,12 +296,19 @@ PageAnswer OperatorDesk::set_region(const Json& body) {
   const auto text = given->get<std::string>();
   if (text.size() > kRegionCharactersMax) return said(400, "region has more than 64 characters");
   if (const std::string fault = text.empty() ? "" : region_fault(text); !fault.empty()) return said(400, fault);
+  std::string camera;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!settings_.settings.region.empty())
+      return said(409, "--region of the command line holds; start without it to set a region here");
+    if (!has_source_) return said(409, "no camera is connected yet");
+    if (phase_ == Phase::recording) return said(409, "a person is being recorded; set the region after that");
+    camera = source_.name;
+  }
+  // Outside the lock: the disk may be slow. Recordings begin on this thread alone.
+  if (const auto kept = keep_region(settings_.root, camera, text); !kept) return failed(kept.error());
   const std::lock_guard lock(mutex_);
-  if (!settings_.settings.region.empty())
-    return said(409, "--region of the command line holds; start without it to set a region here");
-  if (!has_source_) return said(409, "no camera is connected yet");
-  if (phase_ == Phase::recording) return said(409, "a person is being recorded; set the region after that");
-  if (const auto kept = keep_region(settings_.root, source_.name, text); !kept) return failed(kept.error());
+  if (source_.name != camera) return said(200, "set");  // of the camera that was there
   region_text_ = text;
   region_error_.clear();
   region_ = {region_.count + 1, region_of(text)};

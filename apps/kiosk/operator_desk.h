@@ -75,7 +75,7 @@ class OperatorDesk {
   // Any thread.
   OperatorRegion region() const;
   // Of every frame of a visit, recorded or not, on the engine's thread: finds out why no person is seen.
-  void look(const FrameSeen& frame);
+  void look(std::uint64_t visit, const FrameSeen& frame);
   PageAnswer answer(const PageRequest& request);  // on the server's thread
 
   // Called for the visit of this number, on any thread; they do nothing for other visits.
@@ -130,6 +130,7 @@ class OperatorDesk {
   std::string region_at_begin_;  // of the recording; after the answer another may be set
   DiagnosePicture diagnose_;
   hal::DepthDiagnosis diagnosis_;
+  std::uint64_t looked_visit_ = 0;                   // the engine's thread alone
   std::int64_t empty_since_ns_ = 0, looked_ns_ = 0;  // no person since; the last diagnosis. The engine's thread alone
   Job job_;
   std::thread job_thread_;

@@ -30,9 +30,13 @@ bool is_period(const std::string& text, std::size_t characters) {
 
 // One cell of the table: a chart may name its sizes as it likes.
 std::string cell_of(const std::string& name) {
-  std::string cell = printable(name.substr(0, kNameBytesMax));
+  std::size_t end = std::min(name.size(), kNameBytesMax);
+  while (end < name.size() && end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0) == 0x80) --end;
+  std::string cell = printable(name.substr(0, end));
   std::replace_if(
       cell.begin(), cell.end(), [](char c) { return c == ',' || c == '"' || c == ';'; }, ' ');
+  // A spreadsheet would compute what begins like this.
+  if (!cell.empty() && std::string_view("=+-@").find(cell.front()) != std::string_view::npos) cell.insert(0, 1, '\'');
   return cell;
 }
 
@@ -84,7 +88,7 @@ Status Statistics::read(const std::string& text) {
     const char* end = cells[3].data() + cells[3].size();
     const auto [stop, error] = std::from_chars(cells[3].data(), end, count);
     if (error != std::errc() || stop != end) return wrong("count is " + excerpt(cells[3]) + ", expected a number");
-    counts_[{cells[0], cells[1], cells[2]}] += count;
+    counts_[{cells[0], cells[1], cell_of(cells[2])}] += count;
   }
 }
 

@@ -74,7 +74,8 @@ void grow_waist(const body::BodyModel& model, float by_mm, Subject& subject) {
   for (int i = 0; i < kSteps; ++i) {
     for (const body::FatnessPart& part : body::kFatness)
       if (std::find(std::begin(kTrunk), std::end(kTrunk), part.modifier) != std::end(kTrunk))
-        subject.params.modifiers[static_cast<std::size_t>(model.modifier_index(part.modifier))] += step * part.share;
+        if (const int m = model.modifier_index(part.modifier); m >= 0)
+          subject.params.modifiers[static_cast<std::size_t>(m)] += step * part.share;
     const float before_mm = subject.truth[kWaist];
     morph_subject(model, subject, rest);
     subject.truth = body::measure_rest_mesh(model, rest, subject.params.gender);

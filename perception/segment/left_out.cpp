@@ -135,8 +135,11 @@ bool PersonTracker::sways(int user) const {
 void PersonTracker::leave_out(const Grid& grid, const Blobs& found, const FloorPlane& floor, float seconds) {
   float sway_mm = 0;
   for (int i = 0; i < detection_count_; ++i) {
-    // Who is left out is watched on alone, too: a person who moves again counts again.
-    if (detection_count_ > 1 || track_of(at(i)).left_out == LeftOut::still) watch(grid, found, i, seconds);
+    // Alone, too, who is left out is watched on, for a person who moves again counts again; and who holds the
+    // session, for then it is known of later what they are.
+    const Track& track = track_of(at(i));
+    if (detection_count_ > 1 || track.left_out == LeftOut::still || track.id == selected_)
+      watch(grid, found, i, seconds);
     if (sways(i)) sway_mm = std::max(sway_mm, track_of(at(i)).watch.spread_mm());
   }
   for (int i = 0; i < detection_count_; ++i) {
@@ -145,10 +148,11 @@ void PersonTracker::leave_out(const Grid& grid, const Blobs& found, const FloorP
     const bool was_still = track.left_out == LeftOut::still;
     const bool stands =
         track.watch.watched_long() && spread_mm <= kStillMm && sway_mm >= std::max(kSwayMm, kSwayShare * spread_mm);
-    // Who walks off is watched from the beginning, and is a person until then; who is selected, by id or because the
-    // session is theirs, stands still as asked.
-    const bool still =
-        (stands || (was_still && track.watch.watched_long() && spread_mm < kMovedMm)) && track.id != selected_;
+    track.has_swayed = track.has_swayed || (track.watch.watched_long() && spread_mm >= kMovedMm);
+    // Who walks off is watched from the beginning, and is a person until then. Who is selected by id, or whose the
+    // session is, stands still as asked; but a mannequin that stood alone holds no session.
+    const bool theirs = track.id == requested_ || (track.id == selected_ && track.has_swayed);
+    const bool still = (stands || (was_still && track.watch.watched_long() && spread_mm < kMovedMm)) && !theirs;
     track.left_out = outside(track, grid, found, floor, detections_[at(i)].blob) ? LeftOut::outside
                      : still                                                     ? LeftOut::still
                                                                                  : LeftOut::no;

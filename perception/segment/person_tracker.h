@@ -154,6 +154,7 @@ class PersonTracker {
     bool accepted = false;
     bool rejected = false;
     // Whether it is left out.
+    bool has_swayed = false;  // it was seen to
     segment::StillWatch watch;
     LeftOut left_out = LeftOut::no;
     bool judged_place = false;

@@ -55,22 +55,22 @@ TEST(Compare, OfUnlikeCapturesTakesTheirErrorsAsIndependentAndSaysWhy) {
   };
   expect_wider([](Capture& c) { c.views = "front"; }, "views: around and front");
   expect_wider([](Capture& c) { c.index = "ffffffff"; }, "index 0123abcd and ffffffff");
-  expect_wider([](Capture& c) { c.index = ""; }, "does not say");
+  expect_wider([](Capture& c) { c.index = ""; }, "do not both name");
   expect_wider([](Capture& c) { c.program = "1.1.0"; }, "program: 1.0.0 and 1.1.0");
   expect_wider([](Capture& c) { c.answered_as = "dressed"; }, "clothing: bare and dressed");
   expect_wider([](Capture& c) { c.site = "00112233"; }, "site calibration");
   expect_wider([](Capture& c) { c.known = "{\"weight\":{}}"; }, "facts");
   const Capture both = capture_of(800, 1780, "front+back");
-  EXPECT_THAT(compare(both, both).wider, testing::ElementsAre(testing::HasSubstr("views: of front+back")));
+  EXPECT_THAT(compare(both, both).wider, testing::ElementsAre(testing::HasSubstr("views front+back")));
   Capture dressed = before;
   dressed.answered_as = "dressed";
   EXPECT_EQ(compare(dressed, dressed).wider.size(), 1U);
 }
 
 TEST(Compare, StaturesApartAreTwoPeople) {
-  EXPECT_FALSE(compare(capture_of(800, 1780), capture_of(800, 1793)).two_people);
-  EXPECT_TRUE(compare(capture_of(800, 1780), capture_of(800, 1796)).two_people);
-  EXPECT_TRUE(compare(capture_of(800, 1796), capture_of(800, 1780)).two_people);
+  EXPECT_FALSE(compare(capture_of(800, 1780), capture_of(800, 1813)).two_people);
+  EXPECT_TRUE(compare(capture_of(800, 1780), capture_of(800, 1816)).two_people);
+  EXPECT_TRUE(compare(capture_of(800, 1816), capture_of(800, 1780)).two_people);
 }
 
 class CompareCommand : public testing::Test {
@@ -129,7 +129,7 @@ TEST_F(CompareCommand, SaysWhyItIsWiderAndWhereTwoPeopleStood) {
   const std::string around = write("around", 900), front = write("front", 900, 1780, "front");
   const test::Run wider = compare({around, front});
   EXPECT_EQ(wider.exit_code, 0) << wider.err;
-  EXPECT_THAT(wider.out, testing::HasSubstr("Wider, for the views: around and front\n"));
+  EXPECT_THAT(wider.out, testing::HasSubstr("Wider intervals: views: around and front\n"));
   const test::Run two = compare({around, write("other", 700, 1690)});
   EXPECT_EQ(two.exit_code, 0) << two.err;
   EXPECT_THAT(two.out, testing::HasSubstr("Two people: "));

@@ -318,9 +318,10 @@ const kDaysShown = 14, kStatisticsMs = 10000;
 let statistics = null;  // rows of period, what, name, count; null: nothing is counted
 async function loadStatistics() {
   if (!token) return;
+  if (!form.counts) return showStatistics();
   try {
     const lines = (await (await get('/operator/statistics.csv')).text()).trim().split('\n').slice(1);
-    statistics = form.counts ? lines.map((line) => line.split(',')) : null;
+    statistics = lines.map((line) => line.split(','));
   } catch (error) {
     return;
   }

@@ -105,7 +105,10 @@ final class Measuring: NSObject, ObservableObject, ARSessionDelegate {
     private func stopCamera() {
         current += 1
         camera.pause()
-        queue.async { self.session = nil }
+        queue.async {
+            self.visit = 0  // frames that were on their way are nobody's
+            self.session = nil
+        }
     }
 
     // On the queue from here on.

@@ -7,6 +7,7 @@
 
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <map>
 
 #include "apps/im2fitd/commands.h"
@@ -14,6 +15,7 @@
 #include "daemon_run.h"
 #include "data_paths.h"
 #include "depth_folder.h"
+#include "private_files.h"
 
 namespace im2fit::daemon {
 namespace {
@@ -36,6 +38,9 @@ TEST(DaemonCommand, IsOneOnALineWithOrWithoutAnId) {
   EXPECT_EQ(avatar->value, "bvh");
   EXPECT_EQ(avatar->client, "a-1");
   EXPECT_EQ(parse_command(R"({"avatar": {}, "id": 7})", id)->value, "glb");
+  id = nullptr;
+  EXPECT_FALSE(parse_command(R"({"shoe": {}, "id": 7})", id));
+  EXPECT_EQ(id, 7) << "a refusal has the id, wherever it stands";
   EXPECT_EQ(id, 7);
 }
 
@@ -218,9 +223,18 @@ TEST_F(DaemonCommands, NobodyIsLookedAtWithoutConsent) {
   EXPECT_EQ(ask(client, "avatar")["person"], 1);
   EXPECT_TRUE(std::filesystem::exists(kept()));
 
+  // What cannot be deleted is not called deleted.
+  std::filesystem::remove(kept());
+  std::filesystem::create_directories(kept() + "/in");
+  const json refused = ask(client, "delete");
+  EXPECT_EQ(refused["event"], "refused");
+  EXPECT_THAT(refused["reason"].get<std::string>(), testing::HasSubstr("was not deleted"));
+  std::filesystem::remove_all(kept());
+  std::ofstream(kept() + ".a1b2c3") << "left by a program that was killed";
+
   // The visit is over, and nothing is left of it.
   EXPECT_EQ(ask(client, "delete")["person"], 1);
-  EXPECT_FALSE(std::filesystem::exists(kept()));
+  EXPECT_THAT(test::all_files_in(folder_.path("state")), testing::IsEmpty());
   EXPECT_EQ(ask(client, "avatar")["event"], "refused");
   EXPECT_EQ(ask(client, "mask")["event"], "refused");
   Client late(socket());
@@ -281,15 +295,17 @@ TEST_F(DaemonCommands, ResetMeasuresThePersonAnewAndSelectAnother) {
   ASSERT_EQ(client.next("measured")["person"], 2) << daemon.messages();
 
   // Of an id that nobody has, so nobody is measured; 0 is everybody again.
-  ASSERT_EQ(ask(client, "reset")["event"], "reset");
-  const json selected = ask(client, "select_user", 77);
-  if (selected["event"] == "selected") {  // else the person was measured meanwhile
-    EXPECT_EQ(selected["user"], 77);
-    for (const auto end = test::Clock::now() + std::chrono::seconds(1); test::Clock::now() < end;)
-      EXPECT_FALSE(is_measured(client.next(std::chrono::milliseconds(100))));
-    EXPECT_EQ(ask(client, "select_user", 0)["user"], 0);
-    EXPECT_EQ(client.next("measured")["person"], 3) << daemon.messages();
+  json selected;
+  for (int i = 0; i < 20 && selected["event"] != "selected"; ++i) {  // unless the person was measured meanwhile
+    ASSERT_EQ(ask(client, "reset")["event"], "reset");
+    selected = ask(client, "select_user", 77);
   }
+  ASSERT_EQ(selected["event"], "selected");
+  EXPECT_EQ(selected["user"], 77);
+  for (const auto end = test::Clock::now() + std::chrono::seconds(1); test::Clock::now() < end;)
+    EXPECT_FALSE(is_measured(client.next(std::chrono::milliseconds(100))));
+  EXPECT_EQ(ask(client, "select_user", 0)["user"], 0);
+  EXPECT_FALSE(client.next("measured").is_null()) << daemon.messages();
   daemon.signal(SIGTERM);
   EXPECT_EQ(daemon.wait(), 0) << daemon.messages();
 }

@@ -70,6 +70,23 @@ TEST_F(StatisticsFile, ASizeOfAnyNameIsOneCell) {
   EXPECT_THAT((*again)->csv(), HasSubstr("2026-11,size,34 /32   long  xxx"));
 }
 
+TEST_F(StatisticsFile, NoSizeIsAFormulaAndAFileThatWasEditedOpensTwice) {
+  write("period,what,name,count\n2026-11,size,\"36,5\",1\n");
+  for (int run = 0; run < 2; ++run) {
+    const auto statistics = Statistics::open(path_);
+    ASSERT_TRUE(statistics) << statistics.error().message;
+    (*statistics)->measured("2026-11-30", "=1+1");
+    ASSERT_TRUE((*statistics)->flush());
+  }
+  EXPECT_THAT(text(), HasSubstr("2026-11,size,36 5,1\n"));
+  EXPECT_THAT(text(), HasSubstr("2026-11,size,'=1+1,2\n"));
+  // Cut between letters: 59 of a byte, then one of two.
+  const auto statistics = Statistics::open(path_);
+  ASSERT_TRUE(statistics);
+  (*statistics)->measured("2026-12-01", std::string(59, 'x') + "\xC3\xA4");
+  EXPECT_THAT((*statistics)->csv(), HasSubstr("2026-12,size," + std::string(59, 'x') + ",1\n"));
+}
+
 TEST_F(StatisticsFile, ASpoiledOneIsRefusedByItsLineAndStays) {
   const std::string head = "period,what,name,count\n";
   for (const auto& [spoiled, expected] :

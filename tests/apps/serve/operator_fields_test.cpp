@@ -150,7 +150,7 @@ TEST_F(OperatorFields, VisitsAreCountedWithoutPersons) {
   browser_->go(page_->url() + "/?lang=en");
   EXPECT_TRUE(
       browser_->wait_for("return typeof words !== 'undefined' && !!words.table && "
-                         "at('consent-points').innerText.includes('Only counts remain')"));
+                         "at('consent-points').innerText.includes('Counts of all people')"));
   ASSERT_NO_FATAL_FAILURE(open());
   EXPECT_THAT(browser_->run("return at('statistics-note').textContent").get<std::string>(),
               testing::HasSubstr("--statistics FILE"));
@@ -158,7 +158,7 @@ TEST_F(OperatorFields, VisitsAreCountedWithoutPersons) {
   EXPECT_TRUE(
       browser_->wait_for("return typeof words !== 'undefined' && !!words.table && "
                          "at('consent-points').innerText.length > 100"));
-  EXPECT_EQ(browser_->run("return at('consent-points').innerText.includes('Only counts remain')"), false);
+  EXPECT_EQ(browser_->run("return at('consent-points').innerText.includes('Counts of all people')"), false);
 }
 
 TEST_F(OperatorFields, TheCommandLinesRegionIsShown) {

@@ -466,7 +466,7 @@ TEST_F(Screens, AShopsPageHasItsNameAndItsConsent) {
   look("welcome");
   browser_->run("words.language = 'de'; showTexts()");
   ASSERT_NO_FATAL_FAILURE(agree());
-  EXPECT_EQ(text, "de-2+7");
+  EXPECT_EQ(text, "de-3+7");
   page.measured(987.6);
   ASSERT_TRUE(shows("DONE"));
   look("result");

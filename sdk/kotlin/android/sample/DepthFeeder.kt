@@ -149,11 +149,17 @@ class DepthFeeder(
         /** Whether this device has a camera for this class. Needs no permission: ask before anybody undresses. */
         fun isAvailable(context: Context): Boolean {
             val cameras = context.getSystemService(Context.CAMERA_SERVICE) as CameraManager
-            return cameras.cameraIdList.any { hasDepth(cameras.getCameraCharacteristics(it)) }
+            return try {
+                cameras.cameraIdList.any { hasDepth(cameras.getCameraCharacteristics(it)) }
+            } catch (e: Exception) { // the camera service is away
+                false
+            }
         }
 
         private fun hasDepth(about: CameraCharacteristics): Boolean =
             about.get(CameraCharacteristics.LENS_FACING) == CameraCharacteristics.LENS_FACING_BACK &&
+                about.get(CameraCharacteristics.LENS_INTRINSIC_CALIBRATION) != null &&
+                about.get(CameraCharacteristics.SENSOR_INFO_PRE_CORRECTION_ACTIVE_ARRAY_SIZE) != null &&
                 about.get(CameraCharacteristics.SCALER_STREAM_CONFIGURATION_MAP)?.getOutputSizes(ImageFormat.DEPTH16)
                     ?.isNotEmpty() == true
 
