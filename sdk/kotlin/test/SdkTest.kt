@@ -400,7 +400,9 @@ fun <T> collected(flow: Flow<T>): List<T> {
 fun measuresAsProgram(clip: Clip, models: Models, output: String) = FitSession(clip.camera, models, quick).use { session ->
     val outcome = session.measure(clip.frames())
     // The same numbers in the same words, but for where the frames came from.
-    fun lines(json: String) = json.substringAfter("\"views\"").trim().lines()
+    // And but for what the program adds at the end: who made it, and figures of the body.
+    fun lines(json: String) =
+        json.substringAfter("\"views\"").substringBefore(",\n  \"made_by\"").trim().removeSuffix("\n}").lines()
     val (library, program) = lines(session.json()) to lines(output)
     for ((line, pair) in library.zip(program).withIndex()) same(pair.first, pair.second, "line $line of result.json")
     same(library.size, program.size, "lines of result.json")
