@@ -14,7 +14,7 @@ inline constexpr char kKeptRegionsFile[] = ".regions.json";
 // "x0,z0,x1,z1" in metres (region_of()), or "": everywhere. A camera is known by the name that its source has.
 // Errors: io; corrupt, naming the file and the camera whose region is none.
 Result<std::string> kept_region(const std::string& root, const std::string& camera);
-// Those of other cameras stay; a damaged file is written anew. Makes `root`. Errors: io.
+// Keeps the regions of other cameras. Replaces a damaged file. Makes `root`. Errors: io.
 Status keep_region(const std::string& root, const std::string& camera, const std::string& region);
 
 }  // namespace im2fit::apps
