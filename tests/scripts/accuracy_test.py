@@ -106,9 +106,9 @@ class Accuracy(unittest.TestCase):
         self.succeeds("tables")
         self.succeeds("check")
         readme = self.page("README.md")
-        self.assertIn("| close-fitting, simulated without clothes: `ansur` | 31 (+14)<br>95 % in ±62 |", readme)
+        self.assertIn("| close-fitting clothes (simulated as none): `ansur` | 31 (+14)<br>95 % in ±62 |", readme)
         self.assertIn("| loose T-shirt and trousers: `ansur` |", readme)
-        self.assertIn("| the same, one turn: `--around`: `ansur` |", readme)
+        self.assertIn("| the same, and one turn (`--around`): `ansur` |", readme)
         self.assertIn("30.6 (+14.2)<br>95 % in ±62.3 |", readme, "weight, with a decimal")
         self.assertIn("Measured: 398 of 400 (`ansur`), 398 of 400 (`ansur`), 398 of 400 (`ansur`). Index of 4,000 simulated people, format 13. "
                       "Dataset: version 22. Commit: abc1234.", " ".join(readme.split()))
