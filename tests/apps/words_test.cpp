@@ -307,7 +307,7 @@ TEST(Guidance, HasOneOrderInWhichOneOfSeveralIsTold) {
     return words;
   };
   const auto header =
-      words_between(IM2FIT_DATA "/../capi/include/im2fit/im2fit.h", "Of several codes show one, the first of:", "*/");
+      words_between(IM2FIT_DATA "/../capi/include/im2fit/im2fit.h", "show only the first of this list:", "*/");
   EXPECT_EQ(header, words_between(IM2FIT_DATA "/../apps/kiosk/web/words.js", "const kOrder = [", "]"));
   const std::vector<std::string> all(kGuidanceNames.begin(), kGuidanceNames.end());
   EXPECT_THAT(header, testing::UnorderedElementsAreArray(all));

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * im2fit measures a person in front of one depth camera. All work is done on this machine.
+ * im2fit measures a person in front of one depth camera. All processing runs on this machine.
  *
  *   im2fit_settings settings;
  *   im2fit_settings_init(&settings, sizeof settings);
@@ -14,24 +14,25 @@
  *     im2fit_poll(handle, &result, sizeof result);             show result.guidance to the person
  *     if (result.state == IM2FIT_STATE_MEASURED) break;
  *   }
- *   im2fit_finish(handle);                                     measures with fewer frames, if enough
+ *   im2fit_finish(handle);                                     measures with the accepted frames, if sufficient
  *   im2fit_close(handle);
  *
  * Rules for every function:
  *   - Status: 0 is success, errors are negative. im2fit_last_error describes an error in one line.
  *   - Errors: each function lists its own. A function that takes a handle and returns a status can also return
  *     INVALID_ARGUMENT (a pointer that is required is NULL), FORKED, NO_MEMORY and INTERNAL.
- *   - Memory: the caller owns all memory but the handle. The library owns the strings that it returns. They are
+ *   - Memory: the caller owns all memory except the handle. The library owns the strings that it returns. They are
  *     constant.
  *   - Text: paths and URIs are UTF-8 and end with a zero byte.
  *   - Enumerations: a field that holds one is an int32_t, so that its size never depends on a compiler. Its comment
  *     names the constants; `im2fit_state` and so on are for your own variables and switches.
- *   - Units: millimetres, kilograms, degrees, unless a name or comment has another.
- *   - Camera axes: x right, y down, z forward, of the upright picture. Left and right are the person's own.
+ *   - Units: millimetres, kilograms, degrees, unless a name or comment states another unit.
+ *   - Camera axes of the upright picture: x right, y down, z forward. Left and right are the person's own.
  *   - Threads: one thread at a time may use a handle. Exception: any thread may call im2fit_poll and im2fit_mask at
  *     any time before im2fit_close. Different handles are independent.
  *   - fork(): a handle belongs to the process that opened it. In a child process every function that returns a status
- *     returns IM2FIT_ERROR_FORKED for it. im2fit_close works there and leaves camera and threads to the parent.
+ *     returns IM2FIT_ERROR_FORKED. im2fit_close works in the child and does not touch the parent's camera and
+ *     threads.
  *   - No function throws, prints or ends the program.
  *   - Between im2fit_open and im2fit_close no function allocates, unless the comment of a function or field says so.
  *   - Results: the same files and frames give the same bits on every supported machine (with live = 0).
@@ -62,7 +63,7 @@
 extern "C" {
 #endif
 
-typedef struct im2fit_handle im2fit_handle; /* measures one person at a time, before one camera */
+typedef struct im2fit_handle im2fit_handle; /* measures one person at a time, with one camera */
 
 /* ---- Status ---------------------------------------------------------------------------------------------------- */
 
@@ -70,10 +71,10 @@ typedef enum im2fit_status {
   IM2FIT_OK = 0,
   IM2FIT_ERROR_INVALID_ARGUMENT = -1, /* NULL, out of range, wrong size, or not allowed now */
   IM2FIT_ERROR_NOT_FOUND = -2,        /* a file, device node, id or name does not exist */
-  IM2FIT_ERROR_IO = -3,               /* the operating system refused */
-  IM2FIT_ERROR_CORRUPT = -4,          /* a file or frame is damaged, or of another format or version */
-  IM2FIT_ERROR_UNSUPPORTED = -5,      /* files do not fit together, or this library cannot do it */
-  IM2FIT_ERROR_NO_DEVICE = -6,        /* the camera is not there, or no longer */
+  IM2FIT_ERROR_IO = -3,               /* the operating system reported an error */
+  IM2FIT_ERROR_CORRUPT = -4,          /* a file or frame is damaged, or has another format or version */
+  IM2FIT_ERROR_UNSUPPORTED = -5,      /* files were not made together, or this library lacks the feature */
+  IM2FIT_ERROR_NO_DEVICE = -6,        /* the camera is not connected, or was unplugged */
   IM2FIT_ERROR_TIMEOUT = -7,          /* no frame in time: call again */
   IM2FIT_ERROR_END_OF_STREAM = -8,    /* the source has no more frames */
   IM2FIT_ERROR_NO_MEMORY = -9,
@@ -90,8 +91,8 @@ IM2FIT_API const char* im2fit_version(void);
 IM2FIT_API const char* im2fit_status_name(int status);
 
 /* The error of the latest call on this handle, as one line of text. "" after a success. The text is valid until the
- * next call on the handle. im2fit_poll and im2fit_mask do not change it, as any thread may call those. FORKED does
- * not change it.
+ * next call on the handle. im2fit_poll and im2fit_mask do not change it, because any thread may call them. FORKED
+ * does not change it.
  * With NULL: the latest error of any call on the calling thread, including im2fit_open, im2fit_poll, im2fit_mask and
  * FORKED. A success does not clear it.
  * END_OF_STREAM and TIMEOUT of im2fit_pump and im2fit_wait are not failures: they have no text. */
@@ -99,29 +100,30 @@ IM2FIT_API const char* im2fit_last_error(const im2fit_handle* handle);
 
 /* ---- Opening --------------------------------------------------------------------------------------------------- */
 
-/* Called for each failure of a function on the handle, and when im2fit_open refuses a setting or cannot load or
- * start, on the thread of that call. The text is valid during the call. Not called for im2fit_poll, im2fit_mask and
- * FORKED. */
+/* Called for each failure of a function on the handle, on the thread of that call. Also called when im2fit_open
+ * rejects a setting, cannot load a file or cannot start a thread. The text is valid during the call. Not called for
+ * im2fit_poll, im2fit_mask and FORKED. */
 typedef void (*im2fit_log_fn)(void* user, int status, const char* text);
 
-/* Where a model file is when it has no path of its own: an asset of an APK, or bytes in memory. */
+/* Where a model is stored: in a file with a path, in memory, or in a part of an open file, such as an asset of an
+ * APK. */
 typedef enum im2fit_data_kind { IM2FIT_DATA_PATH = 0, IM2FIT_DATA_MEMORY = 1, IM2FIT_DATA_FD = 2 } im2fit_data_kind;
 typedef struct im2fit_data {
-  int32_t kind;   /* IM2FIT_DATA_...; PATH: the setting ..._path names the file, the fields below are not read */
+  int32_t kind;   /* IM2FIT_DATA_...; PATH: the setting ..._path names the file, and the fields below are ignored */
   int32_t fd;     /* FD: a seekable file, open for reading. The caller owns it and may close it after im2fit_open */
   int64_t offset; /* FD: bytes before the data. An asset must be stored in the APK, not compressed */
   const void* bytes; /* MEMORY: im2fit_open copies them */
-  size_t size;       /* MEMORY, FD: bytes, 1..2^30; copied. A file of a path is mapped when larger than 64 MiB */
+  size_t size;       /* MEMORY, FD: bytes, 1..2^30; copied. PATH: a file larger than 64 MiB is mapped */
 } im2fit_data;
 
 typedef struct im2fit_settings {
   size_t struct_size;         /* written by im2fit_settings_init */
   const char* tracker_path;   /* .i2t; required without a pack */
   const char* index_path;     /* .i2f; required without a pack */
-  const char* body_path;      /* .i2b. NULL without a pack: no mesh, tape, avatar or garments, no shape is fitted */
-  const char* men_chart_path; /* .csv size charts (docs/result.md); both or neither. NULL: EN 13402-3, built in */
+  const char* body_path;      /* .i2b. NULL without a pack: no mesh, tape, avatar, garments or fitted shape */
+  const char* men_chart_path; /* .csv size charts (docs/result.md); both or neither. NULL: built-in EN 13402-3 */
   const char* women_chart_path;
-  int32_t width; /* of upright frames, pixels, 1..2048 */
+  int32_t width; /* size of upright frames, pixels, 1..2048 */
   int32_t height;
   float fx, fy, cx, cy;    /* pixels; of the depth camera, not of the colour camera. The centre of pixel 0 is 0 */
   int32_t frames_wanted;   /* 30: accepted frames until MEASURED, 1..1000. With TURN_BACK: for each side */
@@ -129,11 +131,11 @@ typedef struct im2fit_settings {
   int32_t calibration_psi; /* 0: off. 1: the person raises the arms first. Flags other than 0 and 1 are refused */
   int32_t live;          /* 0: im2fit_push waits when the engine is behind. 1: it drops and counts the oldest frame */
   int32_t single_thread; /* 0: two threads. 1: im2fit_push does all work itself, and `live` has no effect */
-  int32_t pool_frames;   /* 8: frames held, 3..64. Each takes three bytes a pixel */
+  int32_t pool_frames;   /* 8: frames buffered, 3..64. Each takes three bytes per pixel */
   im2fit_log_fn log;     /* NULL: none. Used until im2fit_close */
   void* log_user;
   int32_t user_id;  /* 0: the first person with empty guidance. Else: the person with this im2fit_result.user_id */
-  int32_t turn;     /* IM2FIT_TURN_...: what the person is asked to do once the front is accumulated */
+  int32_t turn;     /* IM2FIT_TURN_...: what the person is asked to do after the front is accumulated */
   int32_t clothing; /* IM2FIT_CLOTHING_...: what the person wears. 0: estimated from the frames */
   int32_t sensor;   /* IM2FIT_SENSOR_...: how the camera senses depth. 0: estimated from the frames */
   im2fit_data tracker_data; /* these replace the paths above */
@@ -141,47 +143,47 @@ typedef struct im2fit_settings {
   im2fit_data body_data;
   const char* calibration_site_path; /* .i2c: corrects every measurement (docs/calibration.md). NULL: none */
   im2fit_data calibration_site_data; /* replaces the path */
-  const char* pack_path; /* .i2p: has tracker, index and body. A model with a path or data of its own is read there */
+  const char* pack_path; /* .i2p: contains tracker, index and body. Paths and data of single models override it */
   im2fit_data pack_data; /* replaces the path */
 } im2fit_settings;
 
-/* How a camera senses depth. It shapes the outline of a person, and so the girths. */
+/* How a camera senses depth. It affects the outline of a person and therefore the girths. */
 typedef enum im2fit_sensor {
-  IM2FIT_SENSOR_UNKNOWN = 0,          /* estimated from the frames; docs/cameras lists where that is not enough */
+  IM2FIT_SENSOR_UNKNOWN = 0,          /* estimated from the frames; docs/cameras lists when this fails */
   IM2FIT_SENSOR_STRUCTURED_LIGHT = 1, /* Kinect for Xbox 360, Xtion, Astra */
   IM2FIT_SENSOR_TIME_OF_FLIGHT = 2,   /* Kinect v2, Azure Kinect */
-  IM2FIT_SENSOR_STEREO = 3 /* RealSense D400, OAK-D. Counts as structured light, the nearest kind learned */
+  IM2FIT_SENSOR_STEREO = 3 /* RealSense D400, OAK-D. Treated as structured light, the most similar kind in training */
 } im2fit_sensor;
 
-/* What is measured besides the front. */
+/* What is measured in addition to the front. */
 typedef enum im2fit_turn {
   IM2FIT_TURN_NONE = 0,   /* nothing */
-  IM2FIT_TURN_BACK = 1,   /* the back, once the person has turned it to the camera */
-  IM2FIT_TURN_AROUND = 2, /* all round: one slow turn on the spot. Waist, hip and weight gain most; needs body_path */
-  IM2FIT_TURN_WALK = 3    /* the same, of a person who stands still, with a camera that is carried round: each
-                           * im2fit_frame tells its pose; needs body_path */
+  IM2FIT_TURN_BACK = 1,   /* the back, after the person has turned it to the camera */
+  IM2FIT_TURN_AROUND = 2, /* one slow full turn on the spot. Improves waist, hip and weight most; needs body_path */
+  IM2FIT_TURN_WALK = 3    /* the person stands still, and the camera is carried round the person: each
+                           * im2fit_frame needs its pose; needs body_path */
 } im2fit_turn;
 
 /* What the person wears. */
 typedef enum im2fit_clothing {
-  IM2FIT_CLOTHING_UNKNOWN = 0, /* estimated from the frames; needs body_path. Intervals widen with the estimate */
-  IM2FIT_CLOTHING_BARE = 1,    /* underwear or close-fitting sportswear. GUIDANCE_CLOTHED: the frames show more */
-  IM2FIT_CLOTHING_DRESSED = 2  /* more clothes: the body underneath, with wider intervals; needs body_path */
+  IM2FIT_CLOTHING_UNKNOWN = 0, /* estimated from the frames; needs body_path. Intervals widen with the uncertainty */
+  IM2FIT_CLOTHING_BARE = 1, /* underwear or close-fitting sportswear. GUIDANCE_CLOTHED: more clothes were detected */
+  IM2FIT_CLOTHING_DRESSED = 2 /* more clothes: the body under them is measured; wider intervals; needs body_path */
 } im2fit_clothing;
 
-/* Writes the defaults above, NULL or 0 elsewhere. `struct_size` is sizeof(im2fit_settings) of the caller's
- * header. */
+/* Writes the defaults above, and NULL or 0 to all other fields. `struct_size` is sizeof(im2fit_settings) of the
+ * caller's header. */
 IM2FIT_API void im2fit_settings_init(im2fit_settings* settings, size_t struct_size);
 
-/* Loads the files, allocates memory and starts the threads. The settings, and what they point to, may go after the
- * call; `log` and `log_user` must stay until im2fit_close. *handle is NULL after an error. Allocates.
+/* Loads the files, allocates memory and starts the threads. The settings and the data they point to may be freed
+ * after the call. `log` and `log_user` must stay valid until im2fit_close. *handle is NULL after an error. Allocates.
  * Errors:
  *   INVALID_ARGUMENT  a setting is out of range, or a required path is missing; the text names the field
  *   NOT_FOUND         a file does not exist
  *   IO                a file cannot be read, or a thread cannot be started
  *   CORRUPT           a file is damaged, of another kind, or of another format version
- *   UNSUPPORTED       tracker and index do not fit together; clothing is DRESSED and the files cannot do it;
- *                     struct_size is that of no version, or a field is set that this library lacks
+ *   UNSUPPORTED       tracker and index were not made together; clothing is DRESSED and the files do not support it;
+ *                     struct_size is unknown, or a field is set that this library lacks
  *   NO_MEMORY */
 IM2FIT_API int im2fit_open(const im2fit_settings* settings, im2fit_handle** handle);
 
@@ -191,15 +193,15 @@ IM2FIT_API void im2fit_close(im2fit_handle* handle);
 
 /* ---- Frames ---------------------------------------------------------------------------------------------------- */
 
-/* Copies one upright depth frame into the engine. With settings.live = 0 it waits while the engine is behind, and
- * while the frames that the engine has may be enough: the last frame's call returns after measuring.
+/* Copies one upright depth frame into the engine. With settings.live = 0 it waits while the engine is behind. It also
+ * waits while the accepted frames may be sufficient, so the call with the last frame returns after the measurement.
  *   depth_mm  16-bit millimetres, 0: no data
  *   stride    values (not bytes) from row to row; 0: width
- *   sequence  the camera's frame number, to count gaps; 0: it has none
- *   time_ns   the camera's monotonic time; 0: it has none
+ *   sequence  the camera's frame number, to count gaps; 0: none
+ *   time_ns   the camera's monotonic time; 0: none
  * Errors:
  *   INVALID_ARGUMENT  the size is not that of the settings; the stride is less than the width; after im2fit_finish
- *   CORRUPT           the index is damaged, as im2fit_finish */
+ *   CORRUPT           the index is damaged, as for im2fit_finish */
 IM2FIT_API int im2fit_push(im2fit_handle* handle, const uint16_t* depth_mm, int32_t width, int32_t height,
                            size_t stride, uint64_t sequence, int64_t time_ns);
 
@@ -210,7 +212,7 @@ typedef enum im2fit_format {
   IM2FIT_FORMAT_F32 = 2      /* 32-bit floats, metres. NaN, infinite, zero and negative: no data */
 } im2fit_format;
 
-/* A frame as a camera or phone delivers it, not yet upright. Call im2fit_frame_init, then set the fields that are
+/* A frame in the format and orientation of a camera or phone. Call im2fit_frame_init, then set the fields that are
  * known. Depths over 65535 mm count as no data. */
 typedef struct im2fit_frame {
   size_t struct_size; /* written by im2fit_frame_init */
@@ -218,8 +220,8 @@ typedef struct im2fit_frame {
   int32_t format;     /* IM2FIT_FORMAT_... */
   int32_t width;      /* as delivered. After rotate_deg the size must be that of the settings */
   int32_t height;
-  /* 0, 90, 180, 270: clockwise rotation that makes the picture upright. The settings are always of the upright one.
-   * From a picture as delivered, of `width` x `height`, its intrinsics are
+  /* 0, 90, 180, 270: clockwise rotation that makes the picture upright. The settings always describe the upright
+   * picture. Its intrinsics follow from those of the picture as delivered, of `width` x `height`:
    *   90:  fx = fy, fy = fx, cx = height - 1 - cy, cy = cx           with width and height exchanged
    *   180: fx, fy,           cx = width - 1 - cx,  cy = height - 1 - cy
    *   270: fx = fy, fy = fx, cx = cy,              cy = width - 1 - cx   with width and height exchanged */
@@ -227,100 +229,103 @@ typedef struct im2fit_frame {
   size_t row_bytes;            /* bytes from row to row, a multiple of the sample size; 0: no padding */
   float unit_mm;               /* 1: U16 only, above 0, up to 1000 */
   int32_t confidence_min;      /* 0: use all. DEPTH16: sevenths of full confidence, 0..7. Others: 0..255 */
-  const uint8_t* confidence;   /* U16, F32: one byte a sample; less than confidence_min is no data. NULL: none */
+  const uint8_t* confidence;   /* U16, F32: one byte per sample; less than confidence_min is no data. NULL: none */
   size_t confidence_row_bytes; /* bytes from row to row; 0: width */
   /* Intrinsics of this frame, in pixels of the frame as delivered. All 0: those of the settings. The first frame
-   * after im2fit_open or im2fit_reset sets the intrinsics of the session. A later frame with others is resampled to
-   * them (nearest sample). Do not mix im2fit_push and im2fit_push_frame in one session. */
+   * after im2fit_open or im2fit_reset sets the intrinsics of the session. A later frame with other intrinsics is
+   * resampled to them (nearest neighbour). Do not mix im2fit_push and im2fit_push_frame in one session. */
   float fx, fy, cx, cy;
   uint64_t sequence; /* as for im2fit_push */
   int64_t time_ns;
-  int64_t device_us; /* time of the device's own clock; -1: it has none */
+  int64_t device_us; /* time of the device's own clock; -1: none */
   /* Direction of gravity, of any length, in the axes of the frame as delivered: x right, y down, z forward. All 0:
-   * unknown; then the latest known direction holds until im2fit_reset. Android's TYPE_GRAVITY points up: negate it.
-   * Gravity defines upright where no floor is visible. */
+   * unknown; then the latest known direction is used until im2fit_reset. Android's TYPE_GRAVITY points up: negate it.
+   * Gravity defines the vertical where no floor is visible. */
   float down_x, down_y, down_z;
   float reserved; /* padding, so that the fields below keep their offsets: 0, as im2fit_frame_init writes it */
   /* Lens distortion of a picture that is not yet undistorted: the Brown-Conrady model of OpenCV, radial k,
-   * tangential p. Android's LENS_DISTORTION has this order: k1 k2 k3 p1 p2. All 0: none. It is undone through a
-   * table (nearest sample). The table is computed again when lens, intrinsics or rotation change. The first table
-   * allocates. */
+   * tangential p. Android's LENS_DISTORTION has this order: k1 k2 k3 p1 p2. All 0: none. It is corrected with a
+   * lookup table (nearest neighbour). The table is computed again when lens, intrinsics or rotation change. The first
+   * table allocates. */
   float k1, k2, k3, p1, p2;
   float reserved2; /* padding, as `reserved`: 0 */
-  /* Pose of a camera that moves or is held in the hand, as the platform tracks it. turn_x .. turn_w is the unit
-   * quaternion from the axes of the frame as delivered to axes at rest. x_mm .. z_mm is the position of the camera
-   * in those axes, within 1 km; all 0: the camera only turns. All seven 0: unknown, and the frame is used as it is.
-   * Each frame is resampled to the view of the first frame with a pose (nearest sample). A turn of more than 10
-   * degrees or a step of more than 150 mm begins a new view; with settings.turn = IM2FIT_TURN_WALK each frame of a
-   * camera that is carried at 0.15 m/s or more is a view of its own. The first frame with a pose allocates.
-   * ARKit and OpenGL have y up and z backwards: negate y and z of the axes on the camera's side. That turns
-   * (x, y, z, w) into (w, z, -y, -x). */
+  /* Pose of a moving or hand-held camera, as the platform tracks it. turn_x .. turn_w is the unit quaternion from the
+   * axes of the frame as delivered to static axes. x_mm .. z_mm is the position of the camera in the static axes,
+   * within 1 km; all 0: the camera only rotates. All seven 0: unknown, and the frame is used without resampling.
+   * Each frame is resampled to the view of the first frame with a pose (nearest neighbour). A rotation of more than
+   * 10 degrees or a translation of more than 150 mm begins a new view. With settings.turn = IM2FIT_TURN_WALK, each
+   * frame of a camera that moves at 0.15 m/s or more is a separate view. The first frame with a pose allocates.
+   * ARKit and OpenGL have y up and z backwards: negate y and z of the camera's axes. The quaternion (x, y, z, w) then
+   * becomes (w, z, -y, -x). */
   float turn_x, turn_y, turn_z, turn_w;
   float x_mm, y_mm, z_mm;
   float reserved3; /* padding, as `reserved`: 0 */
 } im2fit_frame;
 
-/* Writes the defaults above, NULL or 0 elsewhere. `struct_size` is sizeof(im2fit_frame) of the caller's header. */
+/* Writes the defaults above, and NULL or 0 to all other fields. `struct_size` is sizeof(im2fit_frame) of the caller's
+ * header. */
 IM2FIT_API void im2fit_frame_init(im2fit_frame* frame, size_t struct_size);
 
-/* Converts a frame to upright millimetres and pushes it as im2fit_push does. One scene gives the same bits in each
- * of the three formats.
+/* Converts a frame to upright millimetres and pushes it as im2fit_push does. The same scene gives bit-identical
+ * results in each of the three formats.
  * Errors:
- *   INVALID_ARGUMENT  a field is out of range, or a reserved field is not 0; the text names the field; and as
+ *   INVALID_ARGUMENT  a field is out of range, or a reserved field is not 0; the text names the field; or as for
  *                     im2fit_push
- *   CORRUPT           the index is damaged, as im2fit_finish
- *   UNSUPPORTED       struct_size is that of no version, or a field is set that this library lacks */
+ *   CORRUPT           the index is damaged, as for im2fit_finish
+ *   UNSUPPORTED       struct_size is unknown, or a field is set that this library lacks */
 IM2FIT_API int im2fit_push_frame(im2fit_handle* handle, const im2fit_frame* frame);
 
-/* Waits until the engine has processed every frame pushed, so that im2fit_poll covers all of them. Negative
- * `timeout_ms`: no limit.
+/* Waits until the engine has processed all pushed frames, so that im2fit_poll includes them. Negative `timeout_ms`:
+ * no limit.
  * Errors:
  *   TIMEOUT           call again
- *   CORRUPT           the index is damaged, as im2fit_finish */
+ *   CORRUPT           the index is damaged, as for im2fit_finish */
 IM2FIT_API int im2fit_wait(im2fit_handle* handle, int32_t timeout_ms);
 
-/* Ends the stream: waits for the frames in the pipeline and measures with the accepted ones. That needs
- * settings.frames_min. A second call does nothing. Whether there is a measurement is im2fit_result.measured, not
- * the status. im2fit_push is refused until im2fit_reset, im2fit_next, or im2fit_select_user with another id.
- * Errors: CORRUPT: the index is damaged. A large index is checked where it is read, not when it is opened. */
+/* Ends the stream: waits for the frames in the pipeline and measures with the accepted frames. At least
+ * settings.frames_min are needed. A second call does nothing. im2fit_result.measured, not the status, reports whether
+ * there is a measurement. Afterwards im2fit_push is refused until im2fit_reset, im2fit_next, or im2fit_select_user
+ * with another id.
+ * Errors: CORRUPT: the index is damaged. A large index is checked when it is read, not when it is opened. */
 IM2FIT_API int im2fit_finish(im2fit_handle* handle);
 
-/* Begins a session for a new person and forgets all frames, the floor and the ids. Allowed between frames and after
+/* Begins a session for a new person and discards all frames, the floor and the ids. Allowed between frames and after
  * im2fit_finish. Waits for the frames in the pipeline. */
 IM2FIT_API int im2fit_reset(im2fit_handle* handle);
 
-/* Prepares for the next person. Waits for the frames in the pipeline. The floor and the ids are kept, unlike with
- * im2fit_reset.
+/* Prepares for the next person. Waits for the frames in the pipeline. Unlike im2fit_reset, it keeps the floor and the
+ * ids.
  * After MEASURED: frames are processed again. State and measurement stay until the measured person has been outside
- * the picture for half a second. Then a new session begins by itself, and im2fit_result.session counts it.
+ * the picture for half a second. Then a new session begins automatically, and im2fit_result.session increases.
  * Before MEASURED: a new session begins at once. */
 IM2FIT_API int im2fit_next(im2fit_handle* handle);
 
-/* From the next frame on only the person with this user_id is measured. 0: the first person whose guidance is
- * empty, as by default. Another id than before begins a new session at once. Waits for the frames in the pipeline.
+/* From the next frame on, only the person with this user_id is measured. 0, the default: the first person whose
+ * guidance is empty. An id other than the current one begins a new session at once. Waits for the frames in the
+ * pipeline.
  * Errors: INVALID_ARGUMENT: the id is negative. */
 IM2FIT_API int im2fit_select_user(im2fit_handle* handle, int32_t user_id);
 
-/* From the next frame on only people whose feet are within this rectangle on the floor are measured. x goes to the
- * right as the camera sees it, z away from the camera. Both begin at the point under the camera. Four zeros:
- * everywhere, as by default. The session goes on; a person of it who is outside has left. Waits for the frames in the
- * pipeline.
+/* From the next frame on, only people whose feet are within this rectangle on the floor are measured. x points to the
+ * right as seen by the camera, z away from the camera. The origin is the point under the camera. Four zeros, the
+ * default: everywhere. The session continues. If its person is outside the rectangle, that person counts as having
+ * left. Waits for the frames in the pipeline.
  * Errors: INVALID_ARGUMENT: a number is not finite or above 20000, or x0 < x1 and z0 < z1 do not hold. */
 IM2FIT_API int im2fit_set_region(im2fit_handle* handle, float x0_mm, float z0_mm, float x1_mm, float z1_mm);
 
-/* What the person reports of themselves: evidence beside the frames. Call im2fit_known_init, then set what is known.
- * A known weight makes girths more accurate. */
+/* Facts that the person reports. They are used together with the frames. Call im2fit_known_init, then set what is
+ * known. A known weight makes girths more accurate. */
 typedef enum im2fit_sex { IM2FIT_SEX_UNKNOWN = 0, IM2FIT_SEX_WOMAN = 1, IM2FIT_SEX_MAN = 2 } im2fit_sex;
 typedef struct im2fit_known {
   size_t struct_size;  /* written by im2fit_known_init */
-  float stature_mm;    /* 500..2500; 0: not known. Barefoot */
-  float stature_sd_mm; /* standard deviation, 0.1..1000. 0: 20, a stature as people report it. 5: measured */
+  float stature_mm;    /* barefoot, 500..2500; 0: not known */
+  float stature_sd_mm; /* standard deviation, 0.1..1000. 0: 20, for a reported stature. Use 5 for a measured one */
   float weight_kg;     /* 15..400; 0: not known */
-  float weight_sd_kg;  /* 0.1..1000. 0: 3, a weight as people report it. 0.7: from a scale */
+  float weight_sd_kg;  /* 0.1..1000. 0: 3, for a reported weight. Use 0.7 for a weight from a scale */
   float age_years;     /* up to 120; 0: not known. Add 0.5 to completed years */
   float age_sd_years;  /* 0.1..5. 0: 0.5 */
   int32_t sex;         /* IM2FIT_SEX_... */
-  int32_t reserved;    /* padding, so that a later field gets a place of its own: 0 */
+  int32_t reserved;    /* padding for a later field: 0 */
 } im2fit_known;
 
 /* Facts of im2fit_result.known_used and known_doubted. */
@@ -331,19 +336,19 @@ typedef enum im2fit_known_fact {
   IM2FIT_KNOWN_AGE = 1 << 3
 } im2fit_known_fact;
 
-/* Writes nothing known. `struct_size` is sizeof(im2fit_known) of the caller's header. */
+/* Sets all facts to unknown. `struct_size` is sizeof(im2fit_known) of the caller's header. */
 IM2FIT_API void im2fit_known_init(im2fit_known* known, size_t struct_size);
 
-/* Sets what is known of the person of this session, before, during or after the frames. All measurements, their
+/* Sets the facts about the person of this session, before, during or after the frames. All measurements, their
  * intervals, the size, the tape, the body and the garments change together. A second call replaces the first, so a
- * corrected fact needs no new capture. After im2fit_next the facts are of the next person, also while the measured
- * one is still in the picture. A new session knows nothing: call it for each person. Facts are kept in memory only;
- * im2fit_result_json contains them.
- * A stature or weight that does not fit what was seen is not used: im2fit_result.known_doubted names it. Ask the
- * person again. From the thread of im2fit_push.
+ * corrected fact needs no new capture. After im2fit_next the facts apply to the next person, even while the measured
+ * person is still in the picture. A new session has no facts: call this function for each person. Facts are kept in
+ * memory only. im2fit_result_json contains them.
+ * A stature or weight that contradicts the frames is not used: im2fit_result.known_doubted names it. Ask the person
+ * again. Call this function on the thread that calls im2fit_push.
  * Errors:
- *   INVALID_ARGUMENT  a value is out of range; the text names it. What was known before stays
- *   UNSUPPORTED       struct_size is that of no version, or a field is set that this library lacks */
+ *   INVALID_ARGUMENT  a value is out of range; the text names it. Earlier facts are kept
+ *   UNSUPPORTED       struct_size is unknown, or a field is set that this library lacks */
 IM2FIT_API int im2fit_set_known(im2fit_handle* handle, const im2fit_known* known);
 
 /* ---- Sources by URI (optional) --------------------------------------------------------------------------------- */
@@ -358,8 +363,9 @@ typedef struct im2fit_source {
   void (*close)(void* user); /* called once; may be NULL */
 } im2fit_source;
 
-/* Opens `uri` into *source. Returns IM2FIT_OK or an error. After an error *source is not used. im2fit_attach and
- * im2fit_pump report a number that is not a status of this header (42, say) as IO. The text has the number. */
+/* Opens `uri` and writes *source. Returns IM2FIT_OK or an error. After an error *source is not used. im2fit_attach
+ * and im2fit_pump report a number that is not a status of this header, such as 42, as IO. The text contains the
+ * number. */
 typedef int (*im2fit_opener_fn)(void* opener_user, const char* uri, im2fit_source* source);
 
 /* Sets the function that opens URIs for this handle. NULL: none. libim2fit itself opens no cameras.
@@ -367,12 +373,12 @@ typedef int (*im2fit_opener_fn)(void* opener_user, const char* uri, im2fit_sourc
 IM2FIT_API int im2fit_set_opener(im2fit_handle* handle, im2fit_opener_fn opener, void* opener_user);
 
 /* Writes the direction of gravity for the latest frame of the source with this `user` to `down`: any length but 0,
- * in the axes of that frame (x right, y down, z forward). Returns 1; or 0: unknown, and the earlier direction holds.
+ * in the axes of that frame (x right, y down, z forward). Returns 1; or 0 if unknown: the earlier direction is kept.
  * im2fit_pump calls it after each frame. */
 typedef int (*im2fit_down_fn)(void* user, float down[3]);
 
-/* Sets the gravity function of sources attached from now on. NULL, the default: their gravity is unknown. For its
- * use see im2fit_frame.down_x. */
+/* Sets the gravity function for sources that are attached later. NULL, the default: their gravity is unknown. See
+ * im2fit_frame.down_x for the use of gravity. */
 IM2FIT_API int im2fit_set_opener_down(im2fit_handle* handle, im2fit_down_fn down);
 
 /* Closes the attached source, if any, and opens `uri` with the opener.
@@ -380,7 +386,7 @@ IM2FIT_API int im2fit_set_opener_down(im2fit_handle* handle, im2fit_down_fn down
  *   INVALID_ARGUMENT  the opener set no next()
  *   UNSUPPORTED       there is no opener
  *   IO                the opener returned a number that is not a status
- *   others            as the opener returned them
+ *   others            as returned by the opener
  * Allocates. */
 IM2FIT_API int im2fit_attach(im2fit_handle* handle, const char* uri);
 
@@ -388,12 +394,12 @@ IM2FIT_API int im2fit_attach(im2fit_handle* handle, const char* uri);
  * Errors:
  *   TIMEOUT           no frame in time: call again
  *   END_OF_STREAM     the source has ended: call im2fit_finish
- *   CORRUPT           the frame is damaged and skipped: call again. Or the index is damaged, as im2fit_finish; then
- *                     every further call returns CORRUPT, and so does im2fit_wait
- *   NO_DEVICE         the camera is gone: call im2fit_finish, or attach it again
+ *   CORRUPT           the frame is damaged and skipped: call again. Or the index is damaged, as for im2fit_finish;
+ *                     then every further call returns CORRUPT, and so does im2fit_wait
+ *   NO_DEVICE         the camera was unplugged: call im2fit_finish, or attach it again
  *   INVALID_ARGUMENT  no source is attached; its frames have another size; after im2fit_finish
  *   IO                next() returned IO, or a number that is not a status
- *   others            as next() returned them */
+ *   others            as returned by next() */
 IM2FIT_API int im2fit_pump(im2fit_handle* handle, int32_t timeout_ms);
 
 /* Closes the attached source, if any. im2fit_close does that too. */
@@ -402,19 +408,19 @@ IM2FIT_API int im2fit_detach(im2fit_handle* handle);
 /* ---- Models ---------------------------------------------------------------------------------------------------- */
 
 typedef struct im2fit_models {
-  const char* made_by;     /* which program made the index, and from what; valid until im2fit_close */
-  uint32_t people;         /* number of people in the index */
-  uint32_t captures;       /* number of captures of these people in the index */
-  uint32_t tracker_key;    /* identifies the tracker; im2fit_open refuses an index made with another */
-  int32_t has_body;        /* 1: there is body data, so meshes, tape, avatars and garments are available */
-  int32_t answers_shape;   /* 1: a shape is fitted to the depth. 0: measurements are less accurate, as there is no */
-                           /* body data, or not that with which the index was made */
-  int32_t answers_turned;  /* 1: the index covers people from behind, so settings.turn is useful */
+  const char* made_by;    /* the program that made the index, and its input; valid until im2fit_close */
+  uint32_t people;        /* number of people in the index */
+  uint32_t captures;      /* number of captures of these people in the index */
+  uint32_t tracker_key;   /* identifies the tracker; im2fit_open refuses an index made with another */
+  int32_t has_body;       /* 1: there is body data, so meshes, tape, avatars and garments are available */
+  int32_t answers_shape;  /* 1: a shape is fitted to the depth. 0: measurements are less accurate: there is no body */
+                          /* data, or it is not the body data that the index was made with */
+  int32_t answers_turned; /* 1: the index covers people from behind, so settings.turn is useful */
   int32_t answers_clothed; /* 1: the index covers people in clothes */
   int32_t site_corrected;  /* 1: measurements are corrected for the site (settings.calibration_site_path) */
 } im2fit_models;
 
-/* Describes the models that the handle was opened with: for a support page, or to refuse models that lack something.
+/* Describes the models of the handle, for a support page or to check that the models have the required features.
  * `struct_size` is sizeof *models of the caller's header. */
 IM2FIT_API int im2fit_get_models(im2fit_handle* handle, im2fit_models* models, size_t struct_size);
 
@@ -422,23 +428,23 @@ IM2FIT_API int im2fit_get_models(im2fit_handle* handle, im2fit_models* models, s
 
 typedef enum im2fit_state {
   IM2FIT_STATE_SEARCHING = 0, /* no person yet */
-  IM2FIT_STATE_USER_FOUND,    /* a person who cannot be measured yet: see the guidance */
+  IM2FIT_STATE_USER_FOUND,    /* a person is found but cannot be measured yet: see the guidance */
   IM2FIT_STATE_CALIBRATING,   /* waiting for the raised arms of settings.calibration_psi */
   IM2FIT_STATE_TRACKING,      /* accumulating frames */
   /* The measurement is complete and does not change. Frames are ignored until im2fit_next, im2fit_reset, or
    * im2fit_select_user with another id. After im2fit_next the state stays MEASURED until the measured person has
    * left. */
   IM2FIT_STATE_MEASURED,
-  /* The person has left. The session begins again when a person is found, a limited number of times until
-   * im2fit_reset or im2fit_next. */
+  /* The person has left. The session begins again when a person is found. The number of such restarts is limited
+   * until im2fit_reset or im2fit_next. */
   IM2FIT_STATE_LOST,
   /* settings.turn: the front is measured (im2fit_result.front_measured). TURN_BACK: frames of the back are being
-   * accumulated. TURN_AROUND, TURN_WALK: the person is followed through the turn. MEASURED follows. It rests on the
-   * front alone when too little of the back, or of the turn (150 degrees), was seen within 450 frames. */
+   * accumulated. TURN_AROUND, TURN_WALK: the person is tracked during the turn. MEASURED follows. It uses the front
+   * only if too little of the back, or of the turn (150 degrees), was seen within 450 frames. */
   IM2FIT_STATE_TURNING
 } im2fit_state;
 
-/* What the person or the scene must change: bits of im2fit_result.guidance. */
+/* What must change about the person or the scene: bits of im2fit_result.guidance. */
 typedef enum im2fit_guidance {
   IM2FIT_GUIDANCE_NO_PERSON = 1 << 0,
   IM2FIT_GUIDANCE_TOO_NEAR = 1 << 1,
@@ -453,26 +459,27 @@ typedef enum im2fit_guidance {
   IM2FIT_GUIDANCE_TOO_NOISY = 1 << 10,
   IM2FIT_GUIDANCE_SIDE_CUT = 1 << 11,
   IM2FIT_GUIDANCE_CALIBRATION_POSE = 1 << 12, /* raise the arms: upper arms level, hands up */
-  IM2FIT_GUIDANCE_TURN_ROUND = 1 << 13,       /* turn the back to the camera. Show it before all other guidance */
-  IM2FIT_GUIDANCE_CLOTHED = 1 << 14,          /* measured, but dressed although settings.clothing is BARE */
-  IM2FIT_GUIDANCE_TURN_ON = 1 << 15,     /* turn on the spot, slowly, all round. The person cannot see a screen */
-  IM2FIT_GUIDANCE_TURN_SLOWER = 1 << 16, /* the same, and slower */
-  IM2FIT_GUIDANCE_WALK_ROUND = 1 << 17,  /* to who holds the camera: walk on round the person */
-  /* Not measured: the person is smaller or taller than all whom the models were learned from. */
+  IM2FIT_GUIDANCE_TURN_ROUND = 1 << 13,       /* turn the back to the camera. Show this before all other guidance */
+  IM2FIT_GUIDANCE_CLOTHED = 1 << 14,          /* measured, but settings.clothing is BARE and clothes were detected */
+  IM2FIT_GUIDANCE_TURN_ON = 1 << 15,     /* make one full turn slowly on the spot. The person cannot see a screen */
+  IM2FIT_GUIDANCE_TURN_SLOWER = 1 << 16, /* turn or walk more slowly */
+  IM2FIT_GUIDANCE_WALK_ROUND = 1 << 17,  /* for the holder of the camera: continue round the person */
+  /* Not measured: the person is shorter or taller than all training people. */
   IM2FIT_GUIDANCE_OUT_OF_POPULATION = 1 << 18,
-  /* Not measured: the depth shows a flat floor curved. Its lens, or the kind of its distances, is not as told. */
+  /* Not measured: a flat floor is curved in the depth data. The lens distortion is not corrected, or the frames hold
+   * distances instead of depths. */
   IM2FIT_GUIDANCE_FLOOR_BENT = 1 << 19,
-  /* Beside an answer: the feet stand on something above the floor; heights count from there. */
+  /* Accompanies a measurement: the feet are on an object above the floor. Heights are measured from there. */
   IM2FIT_GUIDANCE_FEET_RAISED = 1 << 20,
-  /* Beside an answer: the top of the head has no depth; the interval of the stature is wider upwards. */
+  /* Accompanies a measurement: the top of the head has no depth. The interval of the stature extends upwards. */
   IM2FIT_GUIDANCE_HEAD_UNSEEN = 1 << 21,
-  /* One surface with a wall or a shelf, which cannot be told apart: step away from it. */
+  /* The person cannot be separated from a wall or shelf: step away from it. */
   IM2FIT_GUIDANCE_STEP_TO_THE_MIDDLE = 1 << 22,
-  IM2FIT_GUIDANCE_DEPTH_MISSING = 1 << 23 /* a part of the body gives no depth: dark or shiny clothes */
+  IM2FIT_GUIDANCE_DEPTH_MISSING = 1 << 23 /* a part of the body has no depth: dark or shiny clothes */
 } im2fit_guidance;
 #define IM2FIT_GUIDANCE_COUNT 24
 
-/* The arms, the person's own left and right: bits. */
+/* The person's own left and right arm: bits. */
 typedef enum im2fit_arm { IM2FIT_ARM_LEFT = 1 << 0, IM2FIT_ARM_RIGHT = 1 << 1 } im2fit_arm;
 
 /* The side of the person that faces the camera. */
@@ -480,10 +487,10 @@ typedef enum im2fit_view {
   IM2FIT_VIEW_UNKNOWN = 0,
   IM2FIT_VIEW_FRONT,
   IM2FIT_VIEW_BACK,
-  IM2FIT_VIEW_SIDE /* turned too far for either */
+  IM2FIT_VIEW_SIDE /* neither front nor back */
 } im2fit_view;
 
-/* The sides behind a measurement. */
+/* The views used for a measurement. */
 typedef enum im2fit_views {
   IM2FIT_VIEWS_NONE = 0, /* no measurement */
   IM2FIT_VIEWS_FRONT,
@@ -491,8 +498,8 @@ typedef enum im2fit_views {
   IM2FIT_VIEWS_AROUND /* the front and a turn of at least 150 degrees */
 } im2fit_views;
 
-/* Measurements of the naked body, standing relaxed. A girth is that of the convex hull of the section
- * (docs/result.md). */
+/* Measurements of the unclothed body in a relaxed standing pose. A girth is the perimeter of the convex hull of a
+ * section (docs/result.md). */
 typedef enum im2fit_measurement {
   IM2FIT_STATURE = 0,
   IM2FIT_SLEEVE_LENGTH,
@@ -520,7 +527,7 @@ typedef struct im2fit_estimate {
 
 typedef struct im2fit_joint {
   float x, y, z;    /* mm, camera axes */
-  float confidence; /* 0..1: probability of an error below 50 mm. Below 0.25: inferred, not visible */
+  float confidence; /* 0..1: probability that the error is below 50 mm. Below 0.25: not visible, inferred */
 } im2fit_joint;
 
 /* A person in view. */
@@ -533,79 +540,80 @@ typedef struct im2fit_user {
 #define IM2FIT_AGE_BAND_COUNT 4
 
 typedef struct im2fit_result {
-  int32_t state;             /* IM2FIT_STATE_... */
-  uint32_t guidance;         /* of the latest frame. Once measured: 0 or CLOTHED */
-  uint32_t guidance_seen;    /* of all frames of the session, or-ed */
-  int32_t has_joints;        /* 1: `joints` is of the latest frame, once measured the mean pose of all used */
-  uint64_t frames_seen;      /* processed, until the measurement */
-  uint64_t frames_used;      /* accumulated for the measurement */
+  int32_t state;          /* IM2FIT_STATE_... */
+  uint32_t guidance;      /* of the latest frame. After the measurement: 0 or CLOTHED */
+  uint32_t guidance_seen; /* bitwise OR over all frames of the session */
+  int32_t has_joints;     /* 1: `joints` is of the latest frame; after the measurement, the mean of the used frames */
+  uint64_t frames_seen;   /* processed before the measurement */
+  uint64_t frames_used;   /* accumulated for the measurement */
   uint64_t frames_dropped;   /* live = 1: dropped because the engine was behind */
-  uint64_t sequence_gaps;    /* sequence numbers skipped */
-  uint64_t sequence_repeats; /* frames whose sequence number did not grow */
-  uint64_t time_reversals;   /* frames whose time_ns did not grow */
+  uint64_t sequence_gaps;    /* skipped sequence numbers */
+  uint64_t sequence_repeats; /* frames whose sequence number did not increase */
+  uint64_t time_reversals;   /* frames whose time_ns did not increase */
   im2fit_joint joints[IM2FIT_JOINT_COUNT];
-  int32_t measured; /* 1: the measurement is complete. With 1 here or in front_measured its values are valid */
+  int32_t measured; /* 1: the measurement is complete. Its values are valid if this or front_measured is 1 */
   float female;     /* probability, 0..1 */
   im2fit_estimate measurements[IM2FIT_MEASUREMENT_COUNT];
   float paper[IM2FIT_MEASUREMENT_COUNT]; /* values of the published method; NaN: it has none */
-  uint32_t index_entry;                  /* the stored body nearest to the measured one */
+  uint32_t index_entry;                  /* the entry of the index nearest to the person */
   float index_distance;                  /* distance to it, in the index */
-  int32_t user_id;          /* the person of `joints` and `guidance`: >= 1, never reused. 0: no person is in view */
+  int32_t user_id;          /* the person of `joints` and `guidance`: >= 1, never reused. 0: no person in view */
   int32_t view;             /* IM2FIT_VIEW_..., of the latest frame */
-  uint32_t joints_inferred; /* a bit for each of display_joints: not visible, held at its last place */
-  uint32_t session; /* number of the session: counts up after im2fit_next and im2fit_select_user; im2fit_reset: 0 */
-  /* Joints of the latest frame, to draw, also once measured. Confidence is 0 while no person is followed. They are
-   * smoothed: 0.11 s late at rest, 0.02 s late at a speed of 1 m/s. `joints` are not smoothed. */
+  uint32_t joints_inferred; /* a bit for each of display_joints: not visible, kept at its last position */
+  uint32_t session; /* number of the session: increases after im2fit_next and im2fit_select_user; im2fit_reset: 0 */
+  /* Joints of the latest frame for display, also after the measurement. Confidence is 0 while no person is tracked.
+   * They are smoothed, with a delay of 0.11 s at rest and 0.02 s at a speed of 1 m/s. `joints` are not smoothed. */
   im2fit_joint display_joints[IM2FIT_JOINT_COUNT];
-  int32_t user_count; /* of `users`: all people in view, nearest first */
+  int32_t user_count; /* number of `users`: all people in view, nearest first */
   im2fit_user users[IM2FIT_USER_COUNT_MAX];
-  int32_t front_measured; /* 1: from TURNING on. Until `measured` the values are preliminary, of the front alone */
+  int32_t front_measured; /* 1: from TURNING on. Until `measured` the values are preliminary and use the front only */
   int32_t views;          /* IM2FIT_VIEWS_..., of the measurement */
-  uint32_t frames_back;   /* of frames_used: number that show the back, or the turn */
+  uint32_t frames_back;   /* number of frames_used that show the back, or the turn */
   im2fit_estimate age;    /* years: median and 95 % interval of similar people in the index */
   float age_bands[IM2FIT_AGE_BAND_COUNT]; /* probabilities of 18-25, 25-45, 45-65, 65-75 years */
-  uint32_t arms_close;                    /* IM2FIT_ARM_..., or-ed: the arms that ARMS_CLOSE of `guidance` means */
-  float clothing_probability;             /* of being dressed, from the frames alone; NaN: not estimated */
-  float clothing_ease_mm;                 /* expected gap of cloth and skin at the trunk, mm; NaN: not estimated */
-  uint32_t known_used;                    /* IM2FIT_KNOWN_..., or-ed: facts of im2fit_set_known in the measurement */
-  uint32_t known_doubted;                 /* the same: left out, because they do not fit what was seen */
-  /* TURN_AROUND, TURN_WALK, from TURNING on: the farthest the person has turned, as the camera sees it; + to the
-   * person's left. */
+  uint32_t arms_close;                    /* IM2FIT_ARM_... bits: the arms to which ARMS_CLOSE in `guidance` refers */
+  float clothing_probability;             /* of wearing clothes, from the frames alone; NaN: not estimated */
+  float clothing_ease_mm;                 /* expected gap between cloth and skin at the trunk; NaN: not estimated */
+  uint32_t known_used;                    /* IM2FIT_KNOWN_... bits: facts of im2fit_set_known that were used */
+  uint32_t known_doubted; /* IM2FIT_KNOWN_... bits: facts rejected because the frames contradict them */
+  /* TURN_AROUND, TURN_WALK, from TURNING on: the largest angle that the person has turned relative to the camera;
+   * positive to the person's left. */
   float turned_deg;
-  /* settings.frames_wanted, for a progress bar: frames_used of it; from TURNING on with TURN_BACK frames_back of it.
-   * A turn all round has no number of frames: show turned_deg. */
+  /* settings.frames_wanted, for a progress bar: show frames_used out of this number; with TURN_BACK, from TURNING on,
+   * frames_back out of this number. A full turn has no fixed number of frames: show turned_deg. */
   int32_t frames_wanted;
-  /* Of `users`, bit 0 the first: who is not measured. Outside of im2fit_set_region; a figure that stands as still as
-   * furniture while another person sways, such as a mannequin. im2fit_select_user measures the latter even so. */
+  /* Users who are not measured. Bit i is users[i]. users_outside: outside of im2fit_set_region. users_still: a figure
+   * that does not move while another person sways, such as a mannequin. im2fit_select_user can still measure it. */
   uint32_t users_outside;
   uint32_t users_still;
 } im2fit_result;
 
-/* Copies the latest result, consistent in itself. Never waits for the engine. Any thread. `struct_size` is sizeof
- * *result of the caller's header. A caller built with an older header gets the fields of that header.
+/* Copies the latest result. All its fields belong together. Never waits for the engine. Any thread. `struct_size` is
+ * sizeof *result of the caller's header. A caller built with an older header gets the fields of that header.
  * The text of an error is in im2fit_last_error(NULL) only. */
 IM2FIT_API int im2fit_poll(const im2fit_handle* handle, im2fit_result* result, size_t struct_size);
 
-/* The mask of a frame, and which frame and person it is of. */
+/* The frame and the person of a mask. */
 typedef struct im2fit_mask_info {
   int32_t width, height; /* pixels of the mask: those of the settings */
   int32_t user_id;       /* the person, as im2fit_result.user_id; 0: no person is in view, and the mask is empty */
-  int32_t reserved;      /* padding, so that a later field gets a place of its own: 0 */
-  uint64_t sequence;     /* of the frame, as pushed: draw the mask over that picture */
+  int32_t reserved;      /* padding for a later field: 0 */
+  uint64_t sequence;     /* of the frame, as pushed: draw the mask over the picture of this frame */
   int64_t time_ns;
 } im2fit_mask_info;
 
-/* Copies which pixels of the latest processed frame show the person of im2fit_result.user_id. Any thread. Waits for
- * one copy of a mask at most. Frames are not processed once measured: the mask is then of the last one.
- *   mask         width x height bytes, rows from the top without padding: 255 the person, 0 all else. The pixels are
- *                those of the upright picture. A frame with a pose is seen from the first view (im2fit_frame.turn_x).
- *                NULL with a capacity of 0: only `info` is written
+/* Copies the mask of the person of im2fit_result.user_id in the latest processed frame. Any thread. Waits for the
+ * copy of one mask at most. After the measurement frames are not processed, so the mask is that of the last processed
+ * frame.
+ *   mask         width x height bytes, rows from the top without padding: 255 the person, 0 everything else. The
+ *                pixels are those of the upright picture. A frame with a pose is resampled to the first view
+ *                (im2fit_frame.turn_x). NULL with a capacity of 0: only `info` is written
  *   capacity     bytes at `mask`
- *   info         may be NULL, with `mask` only
+ *   info         may be NULL if `mask` is not
  *   struct_size  sizeof *info of the caller's header
- * The first call on a handle makes it keep masks from the next frame on, at the cost of a copy of a mask a frame.
+ * After the first call the handle keeps masks, starting with the next frame. This costs one copy of a mask per frame.
  * Errors:
- *   INVALID_ARGUMENT  `mask` is NULL with a capacity, or both places are NULL
+ *   INVALID_ARGUMENT  `mask` is NULL with a capacity, or `mask` and `info` are both NULL
  *   NOT_FOUND         no frame was processed since the first call, or since im2fit_reset: call again after a frame
  *   TOO_SMALL         `capacity` is less than width x height; `info` is written
  *   NO_MEMORY
@@ -623,42 +631,42 @@ typedef struct im2fit_size {
  * Errors:
  *   NOT_MEASURED  there is no measurement yet; *count is 0
  *   TOO_SMALL     `capacity` is less than *count: call again with that
- *   CORRUPT       the index is damaged, as im2fit_finish
+ *   CORRUPT       the index is damaged, as for im2fit_finish
  * Allocates. */
 IM2FIT_API int im2fit_sizes(im2fit_handle* handle, im2fit_size* sizes, size_t capacity, size_t* count, size_t* best);
 
 /* Status of a measurement of the tape. */
 typedef enum im2fit_tape_status {
   IM2FIT_TAPE_MEASURED = 0,
-  IM2FIT_TAPE_REFUSED, /* never measured: a depth camera or the body model does not show it */
+  IM2FIT_TAPE_REFUSED, /* never measured: the depth camera or the body model does not show it */
   IM2FIT_TAPE_ABSENT   /* this body has no such section */
 } im2fit_tape_status;
 
 typedef struct im2fit_tape_value {
   int32_t status;     /* IM2FIT_TAPE_... */
-  float value;        /* mm; weight: kg. NaN unless MEASURED */
-  float low, high;    /* 95 % interval. NaN unless MEASURED, or where it is not known */
+  float value;        /* mm; weight: kg. NaN if not MEASURED */
+  float low, high;    /* 95 % interval. NaN if not MEASURED, or if the interval is not known */
   const char* reason; /* why there is no value, one sentence; NULL when MEASURED. Constant */
 } im2fit_tape_value;
 
 /* Writes measurements of the fitted mesh by the definitions of the tape (docs/tape.md). values[i] belongs to
  * ids[i], an id of im2fit_tape_id. With ids = NULL: the first `id_count` definitions of that list. `value_size` is
- * sizeof(im2fit_tape_value) of the caller's header, and the distance in bytes from value to value. The eleven of
- * im2fit_result.measurements are included, as the mesh has them, with the same intervals. After an error no value is
- * written.
+ * sizeof(im2fit_tape_value) of the caller's header, and the distance in bytes from value to value. The eleven
+ * im2fit_result.measurements are included with the values of the mesh and the same intervals. After an error no value
+ * is written.
  * Errors:
  *   INVALID_ARGUMENT  an id is NULL; value_size is too small; ids is NULL and id_count exceeds im2fit_tape_count()
  *   NOT_FOUND         an id is unknown; the text names it
  *   NOT_MEASURED      there is no measurement yet
  *   UNSUPPORTED       the handle has no body data (settings.body_path)
- *   CORRUPT           the index is damaged, as im2fit_finish
+ *   CORRUPT           the index is damaged, as for im2fit_finish
  * Allocates. */
 IM2FIT_API int im2fit_tape(im2fit_handle* handle, const char* const* ids, size_t id_count, im2fit_tape_value* values,
                            size_t value_size);
 
-/* Writes the person as a mesh in the measured pose: the fitted body whose measurements are
- * im2fit_result.measurements, as near as a body has them (im2fit_body_residual). mm; x is the person's left, y is
- * up, z points out of the face; the soles are at y = 0.
+/* Writes the person as a mesh in the measured pose. It is the fitted body whose measurements are as close as possible
+ * to im2fit_result.measurements (im2fit_body_residual). Units are mm. x points to the person's left, y up, z to the
+ * front; the soles are at y = 0.
  *   vertices   3 x vertex_capacity floats: x y z of each vertex. NULL: not written
  *   triangles  3 x triangle_capacity vertex indices, counter-clockwise from outside. NULL: not written
  *   ..._count  always written: the counts of vertices and triangles. 0 without body data
@@ -666,28 +674,28 @@ IM2FIT_API int im2fit_tape(im2fit_handle* handle, const char* const* ids, size_t
  *   NOT_MEASURED  there is no measurement yet
  *   TOO_SMALL     a capacity is less than its count
  *   UNSUPPORTED   the handle has no body data (settings.body_path)
- *   CORRUPT       the index is damaged, as im2fit_finish
- * Allocates. The first call for a person of the functions that need the body takes a few hundredths of a second. */
+ *   CORRUPT       the index is damaged, as for im2fit_finish
+ * Allocates. For each person, the first function that needs the body takes a few hundredths of a second. */
 IM2FIT_API int im2fit_body_mesh(im2fit_handle* handle, float* vertices, size_t vertex_capacity, size_t* vertex_count,
                                 int32_t* triangles, size_t triangle_capacity, size_t* triangle_count);
 
 /* Writes the differences between the measurements of the fitted body and im2fit_result.measurements, by id: mm,
- * weight in kg. They are below 1 mm where a body has all measurements as reported. Where no body has them all they
- * are larger: report that to the user where more than 2 mm of a girth matter.
+ * weight in kg. They are below 1 mm if a body with all reported measurements exists. Otherwise they are larger:
+ * inform the user if a difference of more than 2 mm of a girth matters.
  * Errors:
  *   NOT_MEASURED  there is no measurement yet
  *   UNSUPPORTED   the handle has no body data (settings.body_path)
- *   CORRUPT       the index is damaged, as im2fit_finish
+ *   CORRUPT       the index is damaged, as for im2fit_finish
  * Allocates. */
 IM2FIT_API int im2fit_body_residual(im2fit_handle* handle, float residual[IM2FIT_MEASUREMENT_COUNT]);
 
-/* Writes the result as JSON (docs/result.md), in any state: UTF-8, ended by a zero byte. *length gets the number of
- * bytes without the zero. With a capacity of 0, `text` may be NULL. Without body data the JSON lacks the body and
+/* Writes the result as JSON (docs/result.md), in any state: UTF-8, terminated by a zero byte. *length gets the number
+ * of bytes without the zero. With a capacity of 0, `text` may be NULL. Without body data the JSON lacks the body and
  * the values that need it.
  * Errors:
  *   TOO_SMALL    `capacity` is less than *length + 1: call again with that
  *   UNSUPPORTED  the library was built without JSON
- *   CORRUPT      the index is damaged, as im2fit_finish
+ *   CORRUPT      the index is damaged, as for im2fit_finish
  * Allocates. */
 IM2FIT_API int im2fit_result_json(im2fit_handle* handle, char* text, size_t capacity, size_t* length);
 
@@ -699,36 +707,36 @@ typedef enum im2fit_avatar_format {
 
 /* Writes the person as the bytes of a .glb, .obj or .bvh file (docs/formats-body.md). `format` is
  * IM2FIT_AVATAR_.... *size gets the number of bytes. With a capacity of 0, `bytes` may be NULL. The .obj has
- * texture coordinates but names no material library, as bytes have no file beside them. Its texture is the image of
- * the .glb.
+ * texture coordinates but names no material library, because there is no second file. Its texture is the image in the
+ * .glb.
  * Errors:
  *   INVALID_ARGUMENT  the format is unknown
  *   NOT_MEASURED      there is no measurement yet
  *   TOO_SMALL         `capacity` is less than *size: call again with that
  *   UNSUPPORTED       the handle has no body data (settings.body_path), or the library was built without avatars
- *   CORRUPT           the index is damaged, as im2fit_finish
+ *   CORRUPT           the index is damaged, as for im2fit_finish
  * Allocates. */
 IM2FIT_API int im2fit_avatar(im2fit_handle* handle, int32_t format, void* bytes, size_t capacity, size_t* size);
 
 /* A pose for the nodes 0 to 18 of the .glb of im2fit_avatar or im2fit_dressed_avatar, in the order and axes of the
  * file: y up, metres, the hips above the origin, the lower foot at y = 0. Set the translation of node 0 and the
- * rotation of every node. The other translations stay as they are. */
+ * rotation of every node. Do not change the other translations. */
 #define IM2FIT_RIG_NODE_COUNT 19
 typedef struct im2fit_rig {
   float root_m[3];                           /* x y z: translation of node 0 */
   float rotations[IM2FIT_RIG_NODE_COUNT][4]; /* unit quaternions x y z w, relative to the parent node */
-  int32_t user_id;                           /* the person followed */
-  uint32_t joints_inferred;                  /* as in im2fit_result: joints whose pose is a guess */
+  int32_t user_id;                           /* the tracked person */
+  uint32_t joints_inferred;                  /* as in im2fit_result: joints that are inferred */
 } im2fit_rig;
 
 /* Writes the pose of the latest frame (im2fit_result.display_joints) for the avatar of the measured person. It
- * moves after im2fit_next, as frames are processed again, until the next session begins. `struct_size` is sizeof
+ * changes after im2fit_next, when frames are processed again, until the next session begins. `struct_size` is sizeof
  * *rig of the caller's header.
  * Errors:
- *   NOT_FOUND     no person is followed in the latest frame
+ *   NOT_FOUND     no person is tracked in the latest frame
  *   NOT_MEASURED  there is no measurement
  *   UNSUPPORTED   the handle has no body data (settings.body_path), or the library was built without avatars
- *   CORRUPT       the index is damaged, as im2fit_finish
+ *   CORRUPT       the index is damaged, as for im2fit_finish
  * Allocates in the first call for each person. */
 IM2FIT_API int im2fit_live_rig(im2fit_handle* handle, im2fit_rig* rig, size_t struct_size);
 
@@ -736,7 +744,7 @@ IM2FIT_API int im2fit_live_rig(im2fit_handle* handle, im2fit_rig* rig, size_t st
 
 /* How a garment fits in a region. */
 typedef enum im2fit_verdict {
-  IM2FIT_FIT_TIGHT = 0, /* too small: it presses on the body */
+  IM2FIT_FIT_TIGHT = 0, /* too small: it constricts the body */
   IM2FIT_FIT_SNUG,      /* closer than designed */
   IM2FIT_FIT_GOOD,      /* as designed */
   IM2FIT_FIT_LOOSE      /* wider than designed */
@@ -752,18 +760,18 @@ typedef struct im2fit_region_fit {
 
 typedef struct im2fit_size_fit {
   char name[32];        /* "M" */
-  float cost;           /* 0: as designed in all regions. Comparable between sizes of one garment */
+  float cost;           /* 0: as designed in all regions. Comparable only between sizes of the same garment */
   int32_t region_count; /* of `regions`; the same for all sizes of a garment */
   im2fit_region_fit regions[IM2FIT_REGION_COUNT_MAX];
 } im2fit_size_fit;
 
-/* Writes how each size of a garment would fit, small to large. The sizes are those of the chart for the person's
+/* Writes how each size of a garment would fit, from small to large. The sizes are those of the chart for the person's
  * sex.
  *   garment   an id of im2fit_garment_id
  *   fits      `capacity` entries; NULL with a capacity of 0
  *   fit_size  sizeof(im2fit_size_fit) of the caller's header, and the distance in bytes from entry to entry
  *   count     gets the number of sizes
- *   best      (may be NULL) gets the index of the best size. No size fits when the best one is TIGHT in a region, or
+ *   best      (may be NULL) gets the index of the best size. No size fits if the best one is TIGHT in a region, or
  *             LOOSE in all
  * Errors:
  *   INVALID_ARGUMENT  the garment is NULL, or fit_size is too small
@@ -771,7 +779,7 @@ typedef struct im2fit_size_fit {
  *   NOT_MEASURED      there is no measurement yet
  *   TOO_SMALL         `capacity` is less than *count: call again with that
  *   UNSUPPORTED       the handle has no body data (settings.body_path), or the body lacks a girth of the garment
- *   CORRUPT           the index is damaged, as im2fit_finish
+ *   CORRUPT           the index is damaged, as for im2fit_finish
  * Allocates. */
 IM2FIT_API int im2fit_garment_fit(im2fit_handle* handle, const char* garment, im2fit_size_fit* fits, size_t fit_size,
                                   size_t capacity, size_t* count, size_t* best);
@@ -785,8 +793,8 @@ typedef struct im2fit_worn {
 /* Writes the .glb of im2fit_avatar with garments, draped on the body in the measured pose. `worn` has `worn_count`
  * entries, at most IM2FIT_WORN_COUNT_MAX, innermost first. With a `worn_count` of 0: trousers and a T-shirt of the
  * best sizes. *size gets the number of bytes. With a capacity of 0, `bytes` may be NULL. The handle keeps the
- * latest file, so a call with a capacity of 0 followed by the real one drapes once. Draping takes a tenth of a
- * second a garment and some megabytes.
+ * latest file, so a call with a capacity of 0 and a second call with a buffer drape only once. Draping takes a tenth
+ * of a second per garment and some megabytes.
  * Errors:
  *   INVALID_ARGUMENT  worn_count exceeds the maximum, or a garment is NULL
  *   NOT_FOUND         a garment or size is unknown; the text names it
@@ -794,39 +802,40 @@ typedef struct im2fit_worn {
  *   TOO_SMALL         `capacity` is less than *size: call again with that
  *   UNSUPPORTED       the handle has no body data (settings.body_path); the body lacks a girth of a garment; or the
  *                     library was built without avatars or garments
- *   CORRUPT           the index is damaged, as im2fit_finish
+ *   CORRUPT           the index is damaged, as for im2fit_finish
  * Allocates. */
 IM2FIT_API int im2fit_dressed_avatar(im2fit_handle* handle, const im2fit_worn* worn, size_t worn_count, void* bytes,
                                      size_t capacity, size_t* size);
 
 /* ---- Names ----------------------------------------------------------------------------------------------------- */
 
-/* What is wrong with frames in which no person is found. */
+/* Why no person is found in a frame. */
 typedef enum im2fit_diagnosis_code {
   IM2FIT_DIAGNOSIS_NONE = 0,
-  IM2FIT_DIAGNOSIS_LITTLE_DEPTH = 1,    /* hardly any pixel has depth */
-  IM2FIT_DIAGNOSIS_RAW_DISPARITY = 2,   /* a Kinect's, 11 bits */
-  IM2FIT_DIAGNOSIS_BYTES_SWAPPED = 3,   /* each value has its bytes in the other order */
-  IM2FIT_DIAGNOSIS_PLAYER_BITS = 4,     /* three bits below the depth */
-  IM2FIT_DIAGNOSIS_CONFIDENCE_BITS = 5, /* three bits above the depth: use IM2FIT_FORMAT_DEPTH16 */
-  IM2FIT_DIAGNOSIS_FLOAT_VALUES = 6,    /* floating point read as 16-bit integers */
+  IM2FIT_DIAGNOSIS_LITTLE_DEPTH = 1,    /* very few pixels have depth */
+  IM2FIT_DIAGNOSIS_RAW_DISPARITY = 2,   /* values are the 11-bit disparity of a Kinect */
+  IM2FIT_DIAGNOSIS_BYTES_SWAPPED = 3,   /* the byte order of the values is wrong */
+  IM2FIT_DIAGNOSIS_PLAYER_BITS = 4,     /* the three low bits are not depth */
+  IM2FIT_DIAGNOSIS_CONFIDENCE_BITS = 5, /* the three high bits are not depth: use IM2FIT_FORMAT_DEPTH16 */
+  IM2FIT_DIAGNOSIS_FLOAT_VALUES = 6,    /* floating-point values were read as 16-bit integers */
   IM2FIT_DIAGNOSIS_NO_DEPTH_PICTURE = 7,
   IM2FIT_DIAGNOSIS_UNIT = 8,          /* values are not millimetres: see unit_mm */
   IM2FIT_DIAGNOSIS_ROTATED = 9,       /* the camera is on its side: see rotate_deg */
-  IM2FIT_DIAGNOSIS_CENTRE = 10,       /* cx and cy are those of the other orientation */
-  IM2FIT_DIAGNOSIS_FIELD_OF_VIEW = 11 /* under 25 or over 130 degrees by fx and fy */
+  IM2FIT_DIAGNOSIS_CENTRE = 10,       /* cx and cy belong to the other orientation of the picture */
+  IM2FIT_DIAGNOSIS_FIELD_OF_VIEW = 11 /* fx and fy give less than 25 or more than 130 degrees */
 } im2fit_diagnosis_code;
 
 typedef struct im2fit_diagnosis {
   int32_t code;       /* IM2FIT_DIAGNOSIS_... */
-  int32_t rotate_deg; /* of ROTATED: the rotation that makes the picture upright; else 0 */
-  float unit_mm;      /* of UNIT and PLAYER_BITS: millimetres per unit; 0: not known */
-  char text[244];     /* what it looks like and what to do, as the programs print it, in English; "" for NONE */
+  int32_t rotate_deg; /* ROTATED: the rotation that makes the picture upright; otherwise 0 */
+  float unit_mm;      /* UNIT and PLAYER_BITS: millimetres per unit; 0: not known */
+  char text[244];     /* likely cause and remedy in English, as printed by the programs; "" for NONE */
 } im2fit_diagnosis;
 
-/* Why a frame shows no person: looks at an upright frame as im2fit_push takes it, with the intrinsics of the
- * settings. It measures nothing and changes no session. Up to some tenths of a second: call it when nobody was found
- * for long, not for every frame. `struct_size` is sizeof(im2fit_diagnosis) of the caller's header.
+/* Finds the reason why no person is found. Takes an upright frame in the format of im2fit_push and uses the
+ * intrinsics of the settings. Does not measure and does not change the session. It can take some tenths of a second:
+ * call it when no person has been found for several seconds, not for every frame. `struct_size` is
+ * sizeof(im2fit_diagnosis) of the caller's header.
  * Errors: INVALID_ARGUMENT: depth_mm or diagnosis is NULL; the size is not that of the settings; the stride is less
  * than the width. */
 IM2FIT_API int im2fit_diagnose(im2fit_handle* handle, const uint16_t* depth_mm, int32_t width, int32_t height,
@@ -851,10 +860,10 @@ IM2FIT_API const char* im2fit_fit_name(int verdict);    /* "tight" */
 IM2FIT_API const char* im2fit_rig_node_name(int node);  /* "left_upper_arm" */
 IM2FIT_API int im2fit_rig_node_parent(int node);        /* the parent node; -1: of node 0, or out of range */
 /* "Step back" for bit 1, TOO_NEAR: at most six words, to show or speak. `language` as for im2fit_garment_name. UTF-8.
- * Of several codes show one, the first of: NO_PERSON, TURN_ROUND, TURN_SLOWER, WALK_ROUND, SEVERAL_PEOPLE, TOO_NEAR,
- * TOO_FAR, HEAD_CUT, FEET_CUT, SIDE_CUT, STEP_TO_THE_MIDDLE, DEPTH_MISSING, CALIBRATION_POSE, NOT_FRONTAL,
- * NOT_UPRIGHT, ARMS_CLOSE, MOVING, TOO_NOISY, FLOOR_BENT, OUT_OF_POPULATION, TURN_ON, FEET_RAISED, HEAD_UNSEEN,
- * CLOTHED. */
+ * If several codes are set, show only the first of this list: NO_PERSON, TURN_ROUND, TURN_SLOWER, WALK_ROUND,
+ * SEVERAL_PEOPLE, TOO_NEAR, TOO_FAR, HEAD_CUT, FEET_CUT, SIDE_CUT, STEP_TO_THE_MIDDLE, DEPTH_MISSING,
+ * CALIBRATION_POSE, NOT_FRONTAL, NOT_UPRIGHT, ARMS_CLOSE, MOVING, TOO_NOISY, FLOOR_BENT, OUT_OF_POPULATION, TURN_ON,
+ * FEET_RAISED, HEAD_UNSEEN, CLOTHED. */
 IM2FIT_API const char* im2fit_guidance_text(int bit, const char* language);
 /* "T-shirt". `language` is "en", "de", "es", "fr" or "zh"; NULL for others. UTF-8. */
 IM2FIT_API const char* im2fit_garment_name(size_t index, const char* language);
