@@ -70,23 +70,22 @@ void add_input_options(cli::App& sub, InputOptions& options) {
       ->one_of({0, 90, 180, 270});
   sub.add_option(
          "--camera", options.camera_yaml,
-         "Calibration that overrides the source's own: of ROS, OpenCV, a camera's maker or a phone's recorder")
+         "Calibration file that replaces the source's own: from ROS, OpenCV, a camera maker or a phone's recorder")
       ->type_name("FILE");
-  sub.add_option(
-         "--unit", options.unit_mm,
-         "Folder or scan: millimetres in one unit of its pixels or lengths (0.1; 10: centimetres; 1000: metres). "
-         "Default: 1; of a TUM folder 0.2; of a scan: found by the height")
+  sub.add_option("--unit", options.unit_mm,
+                 "Unit of a folder's pixels or a scan's lengths in millimetres (0.1; 10: centimetres; 1000: metres). "
+                 "Default: 1; for a TUM folder 0.2; for a scan: estimated from the height")
       ->range(0.001, 1000.0);
   sub.add_option(
          "--up", options.scan_up,
-         "Axis of a scan that points up: x, -x, y, -y, z, -z. Default: found by the longest side and the feet")
+         "Axis of a scan that points up: x, -x, y, -y, z, -z. Default: estimated from the longest side and the feet")
       ->one_of({"x", "-x", "y", "-y", "z", "-z"});
   sub.add_option("--body", options.body, "Body file")->type_name("FILE")->capture_default_str();
 }
 
 void add_reconnect_option(cli::App& sub, InputOptions& options) {
   sub.add_option("--reconnect", options.reconnect_s,
-                 "Seconds to wait for a camera that was unplugged; 0: end with an error, -1: for ever")
+                 "Seconds to wait for a camera that was unplugged; 0: end with an error, -1: no limit")
       ->range(-1, 2'000'000)
       ->capture_default_str();
 }

@@ -42,7 +42,7 @@ void add_known_options(cli::App& sub, KnownOptions& options) {
   auto* height = sub.add_option("--height-mm", options.height_mm, "Height of the person, barefoot")
                      ->type_name("MM")
                      ->range(double{kKnownStatureMm.least}, double{kKnownStatureMm.most});
-  sub.add_option("--height-ft", options.height_ft, "The same in feet and inches: 5'11")
+  sub.add_option("--height-ft", options.height_ft, "Height in feet and inches: 5'11")
       ->type_name("FT")
       ->check([](const std::string& text) {
         const float mm = millimetres_of_feet(text);
@@ -55,12 +55,12 @@ void add_known_options(cli::App& sub, KnownOptions& options) {
       sub.add_option("--weight-kg", options.weight_kg, "Weight of the person. It makes girths more accurate")
           ->type_name("KG")
           ->range(double{kKnownWeightKg.least}, double{kKnownWeightKg.most});
-  sub.add_option("--weight-lb", options.weight_lb, "The same in pounds")
+  sub.add_option("--weight-lb", options.weight_lb, "Weight in pounds")
       ->type_name("LB")
       ->range(33.1, 881.0)
       ->excludes(weight);
   sub.add_option("--weight-from", options.weight_from,
-                 "Where the weight comes from. scale: weighed today, within 0.7 kg. stated: reported, within 3 kg")
+                 "Origin of the weight. scale: weighed today, accurate to 0.7 kg. stated: reported, accurate to 3 kg")
       ->one_of({"stated", "scale"})
       ->capture_default_str();
   sub.add_option("--sex", options.sex, "Sex of the person")->one_of({"woman", "man"});

@@ -48,7 +48,8 @@ Result<int> run_check(const std::vector<std::string>& folders) {
 void add_dataset(cli::App& app, Command& chosen) {
   auto options = std::make_shared<DatasetCommand>();
   auto* sub = add_command<DatasetCommand>(
-      app, chosen, "dataset", "Synthetic people to features and labels, in shards; resumes where it stopped",
+      app, chosen, "dataset",
+      "Make features and labels of synthetic people, in shards; resumes after an interruption",
       "  im2fit-lab dataset --subjects 20000 --out samples\n"
       "  im2fit-lab dataset --subjects 5000000 --out samples --shard 7/100\n"
       "  im2fit-lab dataset check samples\n"
@@ -56,10 +57,10 @@ void add_dataset(cli::App& app, Command& chosen) {
       options, run_dataset);
   add_sample_options(*sub, options->samples);
   auto* out = sub->add_option("--out", options->samples.work_dir, "Folder of shards")->type_name("DIR");
-  sub->add_option("--chunk", options->samples.chunk, "People in a shard (default: as in the folder, else 1000)")
+  sub->add_option("--chunk", options->samples.chunk, "People per shard (default: as in the folder, or 1000)")
       ->range(1, 1'000'000);
   sub->add_option("--shard", options->shard,
-                  "Only part I of N, I from 0: a job array's share; all parts together equal one run")
+                  "Make only part I of N, counted from 0, for a job array; all parts together equal one run")
       ->type_name("I/N")
       ->check([](const std::string& text) {
         int part = 0, part_count = 0;

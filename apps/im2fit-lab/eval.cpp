@@ -226,7 +226,7 @@ Result<int> run_eval(const EvalCommand& options) {
 // Everything that has no meaning beside --tracker.
 std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
   auto* condition =
-      sub.add_option("--condition", o.condition, "One condition, a word or several joined by +: " + condition_help())
+      sub.add_option("--condition", o.condition, "One condition, one or more words joined by +: " + condition_help())
           ->check([](const std::string& name) {
             const auto known = condition_of(name, {});
             return known ? "" : known.error().message;
@@ -240,13 +240,14 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
                          })
                          ->excludes(condition);
   auto* all =
-      sub.add_flag("--all", o.all, "Every condition, one at a time")->excludes(condition)->excludes(conditions);
+      sub.add_flag("--all", o.all, "All conditions, one after another")->excludes(condition)->excludes(conditions);
   auto* family =
-      sub.add_option("--family", o.families,
-                     "People to measure: modifiers (the body model's held-out family), ansur (people of "
-                     "measured dimensions, made in another way), mixed (both in turns), other (men of measured "
-                     "dimensions on a surface and rig of another make, bare); several, separated by commas, the "
-                     "worse is shown first")
+      sub.add_option(
+             "--family", o.families,
+             "People to measure: modifiers (held-out people of the body model), ansur (dimensions from a "
+             "survey, made by another method), mixed (both in alternation), other (men with dimensions from a "
+             "survey, another mesh and rig, no clothes); several, separated by commas; the one with the "
+             "larger error is shown first")
           ->delimiter(',')
           ->check([](const std::string& name) {
             const auto known = people_family_of(name);
@@ -259,48 +260,51 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
                     ->type_name("DIR")
                     ->capture_default_str();
   auto* ends = sub.add_option("--ansur-ends", o.ansur_settings.end_share,
-                              "Share of people of ansur carried to a BMI of 17 to 19 or 32 to 42, which the survey "
-                              "hardly has")
+                              "Share of people of ansur that are changed to a BMI of 17 to 19 or 32 to 42, which is "
+                              "rare in the survey")
                    ->range(0.0, 1.0)
                    ->capture_default_str();
   auto* pressed = sub.add_option("--ansur-pressed", o.ansur_settings.pressed_share,
-                                 "Of the girth beyond the ellipse of breadth and depth: the share that is there "
-                                 "because callipers press")
+                                 "The measured girth exceeds the ellipse of breadth and depth: share of this excess "
+                                 "caused by the pressure of the callipers")
                       ->range(0.0, 1.0)
                       ->capture_default_str();
   auto* square = sub.add_option("--ansur-square", o.ansur_settings.square_share,
-                                "The share of it that is there because sections are squarer than ellipses; the "
-                                "bodies of ansur lack the rest")
+                                "Share of this excess caused by sections that are squarer than ellipses; the "
+                                "bodies of ansur do not have the rest")
                      ->range(0.0, 1.0)
                      ->capture_default_str();
   auto* frames = sub.add_option("--frames", o.evaluation.frames, "Accepted frames for a measurement")
                      ->range(1, 1000)
                      ->capture_default_str();
   auto* scale = sub.add_option("--camera-scale", o.evaluation.camera_scale,
-                               "Factor by which the camera's depth is off: 1.01: people appear a hundredth larger")
+                               "Scale error of the camera's depth: with 1.01 people appear 1 % larger")
                     ->range(0.9F, 1.1F)
                     ->capture_default_str();
   auto* twice = sub.add_flag("--twice", o.evaluation.twice,
-                             "Render each person a second time in a new pose, room and noise: repeatability (TEM)");
+                             "Render each person again with another pose, room and noise, for repeatability (TEM)");
   auto* second_waist = sub.add_option("--second-waist", o.evaluation.second_waist_mm,
-                                      "With --twice: by how much the waist has grown the second time, mm; see "
-                                      "`again` of --people. Not of `other`")
+                                      "With --twice: increase of the waist in the second capture, mm; see `again` of "
+                                      "--people. Not for `other`")
                            ->range(-200.0F, 200.0F)
                            ->needs(twice);
   auto* samples =
       sub.add_option("--samples", o.samples, "Samples of the index (default: INDEX.samples)")->type_name("DIR");
-  auto* no_raw = sub.add_flag("--no-raw", o.no_raw, "Leave out the paper's nearest neighbour: twice as fast");
+  auto* no_raw =
+      sub.add_flag("--no-raw", o.no_raw, "Leave out the paper's nearest neighbour, which takes half of the time");
   auto* index = sub.add_option("--index", o.index, "Index file")->type_name("FILE")->capture_default_str();
-  auto* html = sub.add_option("--html", o.html_path, "Write the report as a page with figures")->type_name("FILE");
-  auto* commit = sub.add_option("--commit", o.commit,
-                                "State of the sources this program was built from: named in the JSON, as given")
+  auto* html =
+      sub.add_option("--html", o.html_path, "Write the report as a web page with figures")->type_name("FILE");
+  auto* commit = sub.add_option("--commit", o.commit, "Commit of the sources of this program, written to the JSON")
                      ->type_name("TEXT");
-  auto* csv = sub.add_option("--csv", o.csv_path, "Write all values as CSV: a row for each condition and measurement")
-                  ->type_name("FILE");
+  auto* csv =
+      sub.add_option("--csv", o.csv_path, "Write all values as CSV, with a row for each condition and measurement")
+          ->type_name("FILE");
   auto* people =
       sub.add_option("--people", o.people_path, "Write the measurements of each person as CSV")->type_name("FILE");
   auto* figures = sub.add_option("--figures", o.figures_path, "Write each figure as SVG")->type_name("DIR");
-  auto* runtime = sub.add_flag("--runtime", o.runtime, "Time queries of the index: the paper's runtime figure");
+  auto* runtime =
+      sub.add_flag("--runtime", o.runtime, "Measure the time of index queries, for the paper's runtime figure");
   auto* indexes =
       sub.add_option("--runtime-index", o.runtime_indexes, "The same for further indexes")->type_name("FILE");
   auto* runtime_references = sub.add_option("--runtime-references", o.runtime_references,
@@ -308,10 +312,11 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
                                  ->type_name("FILE");
   auto* icp =
       sub.add_option("--icp", o.icp_people, "Register the depth of N people with their body by ICP")->range(1, 100);
-  auto* icp_references = sub.add_option("--icp-references", o.icp_references,
-                                        "In place of --icp: the output of `references_bench icp`, ours beside PCL")
-                             ->type_name("FILE")
-                             ->excludes(icp);
+  auto* icp_references =
+      sub.add_option("--icp-references", o.icp_references,
+                     "Instead of --icp: the output of `references_bench icp`, which compares with PCL")
+          ->type_name("FILE")
+          ->excludes(icp);
   return {condition, conditions,    all,   family, ansur,        other,   ends,    pressed,
           square,    frames,        scale, twice,  second_waist, samples, no_raw,  index,
           html,      commit,        csv,   people, figures,      runtime, indexes, runtime_references,
@@ -326,7 +331,8 @@ void add_eval(cli::App& app, Command& chosen) {
   evaluation.threads = default_threads();
   evaluation.progress = show_progress;
   auto* sub = add_command<EvalCommand>(
-      app, chosen, "eval", "Measure held-out synthetic people and compare with the truth; or judge the tracker",
+      app, chosen, "eval",
+      "Measure held-out synthetic people and compare with the true values; or evaluate the tracker",
       "  im2fit-lab eval --subjects 200 --condition noise\n"
       "  im2fit-lab eval --subjects 40 --condition bare --out eval.json\n"
       "  im2fit-lab eval --all --twice --html eval.html --runtime --icp 4\n"

@@ -75,13 +75,13 @@ TrackerEvaluationOptions options_of(const TrackerEvalWords& words, const Tracker
 }  // namespace
 
 void add_tracker_words(cli::App& sub, TrackerEvalWords& words, const std::vector<cli::Option*>& others) {
-  cli::Option* tracker = sub.add_flag("--tracker", words.wanted, "Judge the tracker: masks, joints, guidance");
+  cli::Option* tracker = sub.add_flag("--tracker", words.wanted, "Evaluate the tracker: masks, joints, guidance");
   for (cli::Option* other : others) tracker->excludes(other);
   const auto add = [&](cli::Option* option) { return option->needs(tracker); };
-  add(sub.add_option("--only", words.only, "With --tracker: these sections")->delimiter(','))
+  add(sub.add_option("--only", words.only, "With --tracker: only these sections")->delimiter(','))
       ->one_of(section_words());
   add(sub.add_option("--scenes", words.scenes,
-                     "With --tracker: these conditions (full, bare, wide) or guidance codes")
+                     "With --tracker: only these conditions (full, bare, wide) or guidance codes")
           ->delimiter(','))
       ->one_of(scene_words());
   add(sub.add_option("--scenes-per-subject", words.scenes_per_subject,
@@ -102,7 +102,7 @@ void add_tracker_words(cli::App& sub, TrackerEvalWords& words, const std::vector
       ->capture_default_str();
   add(sub.add_flag("--hidden-floor", words.hidden_floor,
                    "With --tracker: the floor has no depth, in empty rooms and in scenes of people"));
-  add(sub.add_option("--pictures", words.pictures, "With --tracker: contact sheets (PNG) into this folder"))
+  add(sub.add_option("--pictures", words.pictures, "With --tracker: folder for contact sheets (PNG)"))
       ->type_name("DIR");
 }
 

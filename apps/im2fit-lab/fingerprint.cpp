@@ -179,12 +179,11 @@ Result<int> run_fingerprint(const FingerprintCommand& options) {
 void add_fingerprint(cli::App& app, Command& chosen) {
   auto options = std::make_shared<FingerprintCommand>();
   auto* sub = add_command<FingerprintCommand>(app, chosen, "fingerprint",
-                                              "Print versions, and the checksum of a small trial run, of the code "
-                                              "that makes data: shows whether earlier data is still valid",
+                                              "Print the versions of the code that makes data, and the checksum of a "
+                                              "small trial run, to check whether earlier data is still valid",
                                               "  im2fit-lab fingerprint tracker", options, run_fingerprint);
-  sub->add_option(
-         "WHAT", options->what,
-         "body, tracker or index; shape: the body file's bytes without what only pictures show, for a digest")
+  sub->add_option("WHAT", options->what,
+                  "body, tracker or index; shape: the bytes of the body file without data for pictures, for a digest")
       ->one_of({"body", "tracker", "index", "shape"})
       ->required();
   sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();

@@ -72,13 +72,13 @@ Result<int> run_import(const ImportOptions& options) {
 void add_import_raw(cli::App& app, Command& chosen) {
   auto options = std::make_shared<ImportOptions>();
   auto* sub = add_command<ImportOptions>(app, chosen, "import-raw",
-                                         "Raw uint16 depth frames (little-endian, mm) into a depth folder",
+                                         "Convert raw uint16 depth frames (little-endian, mm) to a depth folder",
                                          "  im2fit-lab import-raw frame1 frame2 --out folder\n"
                                          "  im2fit-lab import-raw registered.raw --focal 525 --out folder",
                                          options, run_import);
   sub->add_option("FILES", options->files, "Raw frames, in order")->required();
   sub->add_option("--out", options->out, "Folder to make")->required()->type_name("DIR");
-  sub->add_option("--width", options->width, "Pixels a row")->range(1, 2048)->capture_default_str();
+  sub->add_option("--width", options->width, "Pixels per row")->range(1, 2048)->capture_default_str();
   sub->add_option("--height", options->height, "Rows")->range(1, 2048)->capture_default_str();
   sub->add_option("--focal", options->focal, "Focal length, px (Kinect depth 575.8; registered to colour 525)")
       ->range(50.0, 10000.0)

@@ -233,26 +233,28 @@ void add_index_inspect(cli::App& index, Command& chosen) {
   inspects->add_flag("--json", options->json, "As JSON");
   auto* verifies =
       add_inspection(index, chosen, options, "verify", "Check the checksums, tree and search of an index", verify);
-  verifies->add_option("--trials", options->trials, "Searches to compare with exhaustive ones")
+  verifies->add_option("--trials", options->trials, "Number of searches to compare with exhaustive searches")
       ->range(1, 1'000'000)
       ->capture_default_str();
   auto* query_command = add_inspection(index, chosen, options, "query", "Query an index with features", query);
   query_command
       ->add_option("FEATURES", options->features,
-                   "Text file, a feature a line: numbers, '-' where not measured; - is stdin")
+                   "Text file with one feature per line: numbers, or '-' if not measured; - is stdin")
       ->capture_default_str();
-  query_command->add_option("--neighbours", options->query.neighbour_count, "0: as the index was made")
+  query_command
+      ->add_option("--neighbours", options->query.neighbour_count,
+                   "Number of neighbours; 0: the setting of the index")
       ->range(0, 512)
       ->capture_default_str();
-  query_command->add_option("--frames", options->query.frame_count, "Frames fused behind the feature")
+  query_command->add_option("--frames", options->query.frame_count, "Number of frames fused for the feature")
       ->range(1, 10000)
       ->capture_default_str();
-  query_command->add_option("--distance", options->query.distance_mm, "From camera to person; 0: not known")
+  query_command->add_option("--distance", options->query.distance_mm, "Distance from camera to person; 0: not known")
       ->range(0, 10000)
       ->type_name("MM")
       ->capture_default_str();
-  query_command->add_flag("--exhaustive", options->query.exhaustive, "Scan every entry: the same result");
-  query_command->add_flag("--json", options->json, "A line of JSON a feature");
+  query_command->add_flag("--exhaustive", options->query.exhaustive, "Scan every entry, with the same result");
+  query_command->add_flag("--json", options->json, "One line of JSON per feature");
 }
 
 struct IndexCommand {
@@ -339,7 +341,7 @@ void add_index(cli::App& app, Command& chosen) {
   sub->add_option("--samples", options->samples.work_dir, "Folder of shards to use or make (default: OUT.samples)")
       ->type_name("DIR");
   sub->add_option("--from", options->from,
-                  "Folders with the shards of one run, made elsewhere: they are read, and no samples are made")
+                  "Folders with the shards of one run that was made elsewhere; no samples are made")
       ->type_name("DIR")
       ->excludes("--samples");
   sub->add_option("--dimensions", options->dimensions,
@@ -347,7 +349,7 @@ void add_index(cli::App& app, Command& chosen) {
       ->range(0, 16)
       ->capture_default_str();
   sub->add_option("--densify", options->densify_to,
-                  "Entries to reach by mixing pairs of real ones: for measuring speed and size only")
+                  "Number of entries to reach by mixing pairs of entries, to measure speed and size only")
       ->range(0, 16'000'000)
       ->type_name("N");
   sub->add_option("--out", options->out, "Index file to write")->type_name("FILE")->capture_default_str();

@@ -123,20 +123,21 @@ Result<int> run_pack(const PackOptions& options) {
 void add_pack(cli::App& app, Command& chosen) {
   auto options = std::make_shared<PackOptions>();
   auto* sub = add_command<PackOptions>(
-      app, chosen, "pack", "Body, tracker and index in one file, for devices to install",
+      app, chosen, "pack", "Make a model pack: body, tracker and index in one file for devices",
       "  im2fit-lab pack --source upstream\n"
       "  im2fit-lab pack --source npm --add size-charts/mine.csv=mine.csv --out im2fit-models-1.0.0.i2p",
       options, run_pack);
   sub->add_option("--source", options->source,
-                  "Source of the body file, which decides the licence: upstream is CC0 1.0, npm is labelled "
+                  "Source of the body file, which determines the licence: upstream is CC0 1.0, npm is labelled "
                   "AGPL3")
       ->one_of({"npm", "upstream"})
       ->required();
   sub->add_option("--out", options->out, "File to write (default: im2fit-models-VERSION.i2p)")->type_name("FILE");
-  sub->add_option("--pack-version", options->version, "The pack's own version")->capture_default_str();
-  sub->add_option("--add", options->add, "A further file: tapes, size charts, texts")->type_name("NAME=FILE");
+  sub->add_option("--pack-version", options->version, "Version of the pack")->capture_default_str();
+  sub->add_option("--add", options->add, "A further file: measurement definitions, size charts, texts")
+      ->type_name("NAME=FILE");
   sub->add_flag("--stored", options->stored,
-                "Do not compress: for programs without zstd, and where a package compresses everything");
+                "Do not compress; for programs without zstd, and for packages that compress their content");
   sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();
   sub->add_option("--tracker", options->tracker, "Tracker file")->type_name("FILE")->capture_default_str();
   sub->add_option("--index", options->index, "Index file")->type_name("FILE")->capture_default_str();

@@ -139,12 +139,12 @@ Result<int> run_population(const PopulationOptions& options) {
 
 void add_population(cli::App& app, Command& chosen) {
   auto options = std::make_shared<PopulationOptions>();
-  auto* sub = add_command<PopulationOptions>(app, chosen, "population",
-                                             "Draw synthetic people; truth as CSV, means and spreads as a table",
-                                             "  im2fit-lab population --subjects 500 --out people.csv\n"
-                                             "  im2fit-lab population --preset paper --subjects 200\n"
-                                             "  im2fit-lab population --subjects 4000 --ansur DIR --plot people.png",
-                                             options, run_population);
+  auto* sub = add_command<PopulationOptions>(
+      app, chosen, "population", "Draw synthetic people; print means and spreads, write true values as CSV",
+      "  im2fit-lab population --subjects 500 --out people.csv\n"
+      "  im2fit-lab population --preset paper --subjects 200\n"
+      "  im2fit-lab population --subjects 4000 --ansur DIR --plot people.png",
+      options, run_population);
   sub->add_option("--subjects", options->subjects, "Number of people")->range(1, 1000000)->capture_default_str();
   sub->add_option("--preset", options->preset, "Population")
       ->one_of({"paper", "training", "held_out"})
@@ -152,11 +152,11 @@ void add_population(cli::App& app, Command& chosen) {
   sub->add_option("--seed", options->seed, "Seed")->capture_default_str();
   sub->add_option("--out", options->out, "CSV file to write")->type_name("FILE");
   auto* ansur = sub->add_option("--ansur", options->ansur,
-                                "Compare with real people: folder of ANSUR_II_{FEMALE,MALE}_Public.csv; exit 1 when "
-                                "a tolerance is broken");
+                                "Compare with real people: folder of ANSUR_II_{FEMALE,MALE}_Public.csv; exit 1 if a "
+                                "tolerance is exceeded");
   ansur->type_name("DIR");
   sub->add_option("--plot", options->plot, "PNG of that comparison")->type_name("FILE")->needs(ansur);
-  sub->add_option("--proportions-plot", options->proportions_plot, "SVG of all dimensions beside ANSUR II's")
+  sub->add_option("--proportions-plot", options->proportions_plot, "SVG of all dimensions, compared with ANSUR II")
       ->type_name("FILE")
       ->needs(ansur);
   sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();

@@ -116,7 +116,7 @@ void add_render(cli::App& app, Command& chosen) {
   auto options = std::make_shared<RenderOptions>();
   options->person.scene = furnished_room();
   auto* sub = add_command<RenderOptions>(
-      app, chosen, "render", "Depth folder of a synthetic person, with truth.json",
+      app, chosen, "render", "Render a synthetic person to a depth folder with truth.json",
       "  im2fit-lab render --out person7 --seed 7\n"
       "  im2fit-lab render --out bare --condition bare --pose psi --rotate 0 --paper-files\n"
       "  im2fit-lab render --out both --seed 7 --frames 150 --turn-after 40\n"
@@ -139,13 +139,14 @@ void add_render(cli::App& app, Command& chosen) {
   sub->add_option("--pose", options->pose, "Pose of the person")
       ->one_of({"relaxed", "arms_out", "a_pose", "psi", "free", "bowed", "squat"})
       ->capture_default_str();
-  sub->add_option("--distance", person.scene.distance_mm, "Camera to person, mm; 0: so that the whole person fits")
+  sub->add_option("--distance", person.scene.distance_mm,
+                  "Distance from camera to person, mm; 0: the whole person fits into the picture")
       ->range(0, 8000)
       ->capture_default_str();
   sub->add_option("--furniture", person.scene.furniture_count, "Pieces of furniture")
       ->range(0, 20)
       ->capture_default_str();
-  sub->add_option("--size", options->size, "Picture of the sensor")
+  sub->add_option("--size", options->size, "Picture size of the sensor")
       ->one_of({"640x480", "320x240"})
       ->capture_default_str();
   sub->add_flag("--back", person.scene.back_view, "Seen from behind");
@@ -153,21 +154,21 @@ void add_render(cli::App& app, Command& chosen) {
                    ->range(0, 100000)
                    ->capture_default_str();
   auto* step = sub->add_option("--step-round-after", options->step_round_after,
-                               "The person steps round once, in 9 s, after N frames; 0: never")
+                               "The person makes one full turn, in 9 s, after N frames; 0: never")
                    ->range(0, 100000)
                    ->capture_default_str()
                    ->excludes(turn);
   sub->add_option("--walk-round-after", options->walk_round_after,
-                  "The camera is carried round the person once, in 15 s, after N frames; 0: never. poses.csv has its "
+                  "The camera is carried round the person once, in 15 s, after N frames; 0: never. poses.csv has the "
                   "true poses")
       ->range(0, 100000)
       ->capture_default_str()
       ->excludes(turn)
       ->excludes(step);
-  sub->add_flag("--clothed", options->clothed, "In clothes, shoes and hair; the truth stays the body's");
+  sub->add_flag("--clothed", options->clothed, "With clothes, shoes and hair; the true values are those of the body");
   sub->add_flag("--paper-files", options->paper_files,
                 "Also write sample.obj, .skel, .bvh and .txt in the paper's formats");
-  sub->add_flag("--truth-only", options->truth_only, "Write only the truth, into the file --out");
+  sub->add_flag("--truth-only", options->truth_only, "Write only the true values, into the file --out");
   sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();
 }
 

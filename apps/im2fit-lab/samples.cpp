@@ -62,13 +62,12 @@ SampleOptions default_samples() {
 }
 
 void add_sample_options(cli::App& sub, SampleOptions& options) {
-  sub.add_option(
-         "--subjects", options.subjects,
-         "Models: synthetic people in the index (of the first 14,336, one in three is not in it: these train the "
-         "estimates and the intervals)")
+  sub.add_option("--subjects", options.subjects,
+                 "Number of synthetic people (models). Of the first 14,336, one in three is not in the index: these "
+                 "train the estimates and the intervals")
       ->range(1, 900'000'000)
       ->capture_default_str();
-  sub.add_option("--captures", options.captures, "Captures of each: other pose, place and noise")
+  sub.add_option("--captures", options.captures, "Captures of each person, with other pose, place and noise")
       ->range(1, 64)
       ->capture_default_str();
   sub.add_option("--seed", options.seed, "Seed")->capture_default_str();

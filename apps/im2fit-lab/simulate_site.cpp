@@ -135,7 +135,7 @@ void add_simulate_site(cli::App& app, Command& chosen) {
   site.threads = default_threads();
   site.progress = show_progress;
   auto* sub = add_command<SimulateCommand>(
-      app, chosen, "simulate-site", "A site of synthetic people with a simulated tape: to try study and calibrate on",
+      app, chosen, "simulate-site", "Simulate a site with synthetic people and a tape, to try study and calibrate",
       "  im2fit-lab simulate-site --people 83 --kind people --html study.html\n"
       "  im2fit-lab simulate-site DIR --people 20 --kind camera && im2fit-lab calibrate DIR --out site.i2c\n"
       "  im2fit-lab simulate-site --people 83 --kind camera --seed 2 --calibration-site site.i2c\n"
@@ -145,8 +145,8 @@ void add_simulate_site(cli::App& app, Command& chosen) {
       sub->add_option("DIR", options->root, "Folder to write sessions to, without recordings (default: no files)");
   auto* kind =
       sub->add_option("--kind", options->kind,
-                      "How the site differs: people (of another make than those of the index), camera (depth "
-                      "1.5 % too large), tape (tight, at the navel, in shoes), plain (no difference)")
+                      "Difference of the site: people (another body model than in the index), camera (depth 1.5 % "
+                      "too large), tape (tight, at the navel, in shoes), plain (no difference)")
           ->one_of({"plain", "people", "camera", "tape"})
           ->capture_default_str();
   sub->add_option("--people", site.people, "Number of people")->range(1, 100000)->capture_default_str();
@@ -158,13 +158,12 @@ void add_simulate_site(cli::App& app, Command& chosen) {
   auto* calibration =
       sub->add_option("--calibration-site", options->calibration, "Measure with this site calibration")
           ->type_name("FILE");
-  auto* html =
-      sub->add_option("--html", options->html_path, "Write the study of these people as one page")->type_name("FILE");
+  auto* html = sub->add_option("--html", options->html_path, "Write the study of these people as a web page")
+                   ->type_name("FILE");
   sub->add_option("--out", options->json_path, "Write the study (or the trials) as JSON")->type_name("FILE");
   auto* trials = sub->add_option("--trials", options->trials,
-                                 "In place of one site: every kind of site, calibrated with 10, 20, 40 and 83 of its "
-                                 "people and judged on "
-                                 "all others, in N draws")
+                                 "Instead of one site: every kind of site, calibrated with 10, 20, 40 and 83 of its "
+                                 "people and evaluated with all others, in N draws")
                      ->range(1, 1000);
   for (auto* other : {root, kind, name, calibration, html}) trials->excludes(other);
   sub->add_option("--ansur", options->ansur, "Folder of ANSUR_II_{FEMALE,MALE}_Public.csv, for kind people")

@@ -82,12 +82,12 @@ Result<int> run_calibrate(const CalibrateCommand& options) {
 void add_study(cli::App& app, Command& chosen) {
   auto options = std::make_shared<StudyCommand>();
   auto* sub = add_command<StudyCommand>(app, chosen, "study",
-                                        "Compare measurements with the tape, for the people of recorded sessions",
+                                        "Compare measurements with tape values for the people of recorded sessions",
                                         "  im2fit-lab study ~/sessions --html study.html\n"
                                         "  im2fit-lab study ~/sessions --json",
                                         options, run_study);
   sub->add_option("DIR", options->root, "Folder of sessions (docs/sessions.md)")->capture_default_str();
-  sub->add_option("--html", options->html_path, "Write the report as one page with figures")->type_name("FILE");
+  sub->add_option("--html", options->html_path, "Write the report as a web page with figures")->type_name("FILE");
   sub->add_option("--out", options->json_path, "Also write the report as JSON")->type_name("FILE");
   sub->add_flag("--json", options->json, "Print the report as JSON");
 }
@@ -96,13 +96,13 @@ void add_calibrate(cli::App& app, Command& chosen) {
   auto options = std::make_shared<CalibrateCommand>();
   auto* sub = add_command<CalibrateCommand>(
       app, chosen, "calibrate",
-      "Learn a correction of a site's measurements from its sessions; exit 1 and no file if it would not help",
+      "Learn a correction of a site's measurements from its sessions; exit 1 without a file if it does not help",
       "  im2fit-lab calibrate ~/sessions --out shop.i2c\n"
       "  im2fit measure SOURCE --calibration-site shop.i2c",
       options, run_calibrate);
   sub->add_option("DIR", options->root, "Folder of sessions (docs/sessions.md)")->capture_default_str();
   sub->add_option("--out", options->out, "Calibration to write, .i2c")->required()->type_name("FILE");
-  sub->add_option("--name", options->name, "Name of the site, written to results (default: the sessions')");
+  sub->add_option("--name", options->name, "Name of the site, written to results (default: from the sessions)");
   sub->add_option("--report", options->json_path, "Also write the outcome as JSON")->type_name("FILE");
   sub->add_flag("--json", options->json, "Print the outcome as JSON");
 }

@@ -46,18 +46,18 @@ void add_train(cli::App& app, Command& chosen) {
                                 "  im2fit-lab train\n  im2fit-lab train --images 2500 --level-trees 250 --out "
                                 "small.i2t   a quick one, for tests",
                                 options, run_train);
-  sub->add_option("--images", options->train.image_count, "Renders to learn from")
+  sub->add_option("--images", options->train.image_count, "Number of training renders")
       ->range(40, 200000)
       ->capture_default_str();
   sub->add_option("--seed", options->train.seed, "Seed")->capture_default_str();
   sub->add_option("--threads", options->train.thread_count, "Threads; the result does not depend on them")
       ->range(1, 256)
       ->capture_default_str();
-  sub->add_option("--levels", options->train.level_count, "Levels of the refining cascade")
+  sub->add_option("--levels", options->train.level_count, "Levels of the cascade")
       ->range(1, 32)
       ->capture_default_str();
   sub->add_option("--level-trees", options->train.level_tree_count,
-                  "Trees of each level; the file's size is 1.2 kB for each of levels x trees, and the forest")
+                  "Trees per level; the file has 1.2 kB for each of levels x trees, plus the forest")
       ->range(1, 4096)
       ->capture_default_str();
   sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();

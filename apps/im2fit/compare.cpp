@@ -91,12 +91,12 @@ Result<int> run_compare(const CompareOptions& options) {
 void add_compare(cli::App& app, Command& chosen) {
   auto options = std::make_shared<CompareOptions>();
   auto* sub = add_command<CompareOptions>(
-      app, chosen, "compare", "Say what has changed between two captures of one person",
+      app, chosen, "compare", "Report changes between two captures of one person",
       "  im2fit compare may/result.json june/result.json\n  im2fit compare may june --json", options, run_compare);
   sub->add_option("BEFORE", options->before,
-                  "A result.json, or a folder with one: a session, or the --out of measure")
+                  "A result.json, or a folder that contains one: a session, or the folder of measure --out")
       ->required();
-  sub->add_option("AFTER", options->after, "The same of the later capture")->required();
+  sub->add_option("AFTER", options->after, "The result of the later capture, as for BEFORE")->required();
   sub->add_flag("--json", options->json, "As JSON");
 }
 

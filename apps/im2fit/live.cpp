@@ -17,15 +17,15 @@ Result<int> run_alone(const LiveOptions& options) {
 void add_live(cli::App& app, Command& chosen) {
   auto options = std::make_shared<LiveOptions>();
   auto* sub = add_command<LiveOptions>(
-      app, chosen, "live", "Guide and measure one person after the other in front of a camera, until Ctrl-C",
+      app, chosen, "live", "Guide and measure one person after another in front of a camera, until Ctrl-C",
       "  im2fit live openni2 --rotate 90 --view\n  im2fit live openni2 --count 1 --out me\n  im2fit live FOLDER "
       "--overlay pictures --overlay-every 5\n  im2fit live openni2 --json | ./kiosk",
       options, run_alone);
   add_live_options(*sub, *options);
   sub->add_option("--overlay", options->preview_renderer.overlay,
-                  "Folder for a picture of every frame: skeleton over depth")
+                  "Folder for pictures of all frames: skeleton over depth")
       ->type_name("DIR");
-  sub->add_option("--overlay-every", options->preview_renderer.overlay_every, "Write a picture only every N frames")
+  sub->add_option("--overlay-every", options->preview_renderer.overlay_every, "Write a picture of every Nth frame")
       ->range(1, 1'000'000)
       ->capture_default_str();
   sub->add_flag("--view", options->preview_renderer.view,

@@ -321,12 +321,12 @@ void add_live_options(cli::App& sub, LiveOptions& options) {
   options.session.input.reconnect_s = -1;
   add_session_options(sub, options.session);
   sub.get_option("--out")->description(
-      "Folder for result.json, avatar.glb, .obj, .bvh and overlay.png; without --count 1 in "
-      "subfolders person-001 and so on");
+      "Folder for result.json, avatar.glb, .obj, .bvh and overlay.png; except with --count 1, each person has a "
+      "subfolder: person-001 and so on");
   sub.get_option("--json")->description(
-      "Print events on stdout, one JSON object a line: state, measured, left, camera, end");
+      "Print events on stdout, one JSON object per line: state, measured, left, camera, end");
   sub.remove_option(sub.get_option("--timing"));
-  sub.add_option("--count", options.count, "End after N people; 0: at Ctrl-C or the source's end")
+  sub.add_option("--count", options.count, "End after N people; 0: at Ctrl-C or at the end of the source")
       ->range(0, 1'000'000)
       ->capture_default_str();
 }

@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
   app.footer(
       "SOURCE is openni2[:URI], usb[:SERIAL], v4l2:/dev/videoN, synthetic[:SEED], a .oni recording or a depth "
       "folder.\n"
-      "Exit codes: 0 done, 1 failed, 2 wrong use, 3 the stream gave no measurement.");
+      "Exit codes: 0 success, 1 failure, 2 wrong arguments, 3 no measurement.");
   Command chosen;
   constexpr NamedCommand kCommands[] = {
     {"devices", add_devices},

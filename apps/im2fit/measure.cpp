@@ -40,7 +40,7 @@ void add_measure_scan(cli::App& app, Command& chosen) {
   auto options = std::make_shared<SessionOptions>();
   options->turn = std::string(kTurnNames[static_cast<std::size_t>(Turn::walk)]);
   auto* sub = add_command<SessionOptions>(
-      app, chosen, "measure-scan", "Measure the person in a scan of the body: a mesh or a cloud of points",
+      app, chosen, "measure-scan", "Measure the person in a body scan: a mesh or a point cloud",
       "  im2fit measure-scan anna.ply --out anna\n  im2fit measure-scan scan.obj --unit 25.4 --up z --json", options,
       run_measure);
   add_session_options(*sub, *options);

@@ -126,7 +126,7 @@ Result<int> run_verify(const ModelsOptions& options) {
 }  // namespace
 
 void add_models(cli::App& app, Command& chosen) {
-  cli::App* parent = app.add_subcommand("models", "Models: list, install or verify them");
+  cli::App* parent = app.add_subcommand("models", "List, install or verify models");
   parent->footer("Examples:\n  im2fit models install im2fit-models-1.0.0.i2p\n  im2fit models list");
   auto listed = std::make_shared<ModelsOptions>();
   cli::App* list =
@@ -143,7 +143,7 @@ void add_models(cli::App& app, Command& chosen) {
       ->type_name("DIR");
   auto verified = std::make_shared<ModelsOptions>();
   cli::App* verify = add_command<ModelsOptions>(
-      *parent, chosen, "verify", "Check a pack, or the installed models, against the checksums",
+      *parent, chosen, "verify", "Compare a pack, or the installed models, with the checksums",
       "  im2fit models verify\n  im2fit models verify PACK.i2p", verified, run_verify);
   verify->add_option("PACK", verified->pack, "A pack (default: the installed models)")->type_name("FILE");
   verify->add_option("--in", verified->directory, "Directory of the installed models (default: the ones in use)")

@@ -246,13 +246,13 @@ void add_convert(cli::App& app, Command& chosen) {
   options->convert = true;
   options->frames = 0;
   auto* sub = add_command<RecordOptions>(
-      app, chosen, "convert", "Make a depth folder or an OpenNI2 .oni file of a recording",
+      app, chosen, "convert", "Convert a recording to a depth folder or an OpenNI2 .oni file",
       "  im2fit convert c00a170fe1 person\n  im2fit convert person.oni person --json", options, run_record);
   add_input_options(*sub, options->input);
   sub->add_option("OUT", options->out, "PATH.oni, which OpenNI2 programs can read too, or a new folder")->required();
   sub->add_flag(
       "--json", options->json,
-      "Print the numbers of written, missing and damaged frames, and what OUT has no place for, as one line "
+      "Print the numbers of written, missing and damaged frames, and the data that OUT cannot store, as one line "
       "of JSON");
 }
 

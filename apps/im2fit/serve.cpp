@@ -256,50 +256,51 @@ Result<int> run_serve(const ServeOptions& options) {
 void add_serve(cli::App& app, Command& chosen) {
   auto options = std::make_shared<ServeOptions>();
   auto* sub = add_command<ServeOptions>(
-      app, chosen, "serve", "Run live and show it on a page for a browser: guidance, measurements, a moving 3D body",
+      app, chosen, "serve", "Measure live and serve a web page with guidance, measurements and a moving 3D body",
       "  im2fit serve openni2 --rotate 90\n  im2fit serve FOLDER --no-consent --port 0\n  im2fit serve usb --rotate "
       "90 --host "
-      "0.0.0.0     every machine that can reach this one sees the camera's pictures",
+      "0.0.0.0     every machine that can reach this one can see the camera's pictures",
       options, run_serve);
   add_live_options(*sub, options->live);
   sub->remove_option(sub->get_option("--only"));  // the page shows everything
-  sub->get_option("--count")->description("Measure N people, then only show; 0: until Ctrl-C");
+  sub->get_option("--count")->description("Measure N people, then only show the page; 0: until Ctrl-C");
   sub->add_flag("--no-consent", options->no_consent,
-                "Measure the person in view without consent on the page: for recordings and for yourself");
+                "Measure the person in view without asking for consent; for recordings and for yourself");
   sub->add_flag(
       "--ask-facts", options->ask_facts,
-      "After consent show a form for height, weight, sex and age. One touch skips it; nothing of it is kept "
+      "After consent, show a form for height, weight, sex and age. One touch skips it. The entries are not kept "
       "after the visit, except in result.json of --out");
   sub->add_flag("--wait", options->wait,
-                "Wait for a missing camera or missing models and show that on the page: for a service");
+                "Wait for a missing camera or missing models and show this on the page; for a service");
   sub->add_flag("--operator", options->desk,
                 "Add a page at /operator that records people with tape values, see docs/sessions.md");
   sub->add_option("--operator-password-file", options->password_file,
-                  "File with the operator's password, readable by its owner alone; needed with --operator")
+                  "File with the operator's password, readable only by its owner; required with --operator")
       ->type_name("FILE");
   sub->add_option("--sessions", options->sessions, "Folder of the operator's sessions")
       ->type_name("DIR")
       ->capture_default_str();
-  sub->add_option("--site", options->site, "Name of this place, proposed in the operator's form")->type_name("NAME");
+  sub->add_option("--site", options->site, "Name of this place, entered in the operator's form by default")
+      ->type_name("NAME");
   sub->add_option(
          "--shop", options->shop,
-         "JSON file with the shop's name, logo and colours, and with the operator, purpose and contact that the "
-         "consent names; see docs/page.md")
+         "JSON file with the shop's name, logo and colours, and with operator, purpose and contact for the consent "
+         "text; see docs/page.md")
       ->type_name("FILE");
   sub->add_option("--statistics", options->statistics,
-                  "CSV file that counts visits, sizes and why people were not measured, of all people together; see "
+                  "CSV file with counts of visits, sizes and reasons for missing measurements, over all people; see "
                   "docs/page.md")
       ->type_name("FILE");
   sub->add_option(
          "--hand-over", options->phones,
-         "Let people fetch their result once, by a QR code: this machine's address in the network of the phones; "
-         "nothing else is served at that address")
+         "Address of this machine in the network of the phones. People can fetch their result there once, by a QR "
+         "code; nothing else is served at this address")
       ->type_name("ADDRESS");
   sub->add_option("--hand-over-port", options->phones_port, "Port of --hand-over; 0: any free port")
       ->range(0, 65535)
       ->capture_default_str();
   sub->add_option("--host", options->address.host,
-                  "Address to listen at; any other than 127.0.0.1 shows the page to other machines")
+                  "Address to listen at; with any address other than 127.0.0.1, other machines can open the page")
       ->capture_default_str();
   sub->add_option("--port", options->address.port, "Port; 0: any free port")->range(0, 65535)->capture_default_str();
 }

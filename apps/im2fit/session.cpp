@@ -81,8 +81,8 @@ void add_session_options(cli::App& sub, SessionOptions& options) {
   sub.add_option("--out", options.out, "Folder for result.json, avatar.glb, .obj, .bvh and overlay.png")
       ->type_name("DIR");
   sub.add_option("--only", options.only,
-                 "Files of --out, the others are not computed: result, avatar, overlay, clothes (the avatar wears "
-                 "them), obj, bvh; several with commas between. Default: all")
+                 "Comma-separated list of the files of --out; other files are not computed: result, avatar, overlay, "
+                 "clothes (on the avatar), obj, bvh. Default: all")
       ->type_name("WORDS")
       ->check([](const std::string& words) {
         const auto wanted = wanted_files(words);
@@ -92,75 +92,79 @@ void add_session_options(cli::App& sub, SessionOptions& options) {
   sub.add_option("--tracker", options.tracker, "Tracker file")->type_name("FILE")->capture_default_str();
   sub.add_option("--index", options.index, "Index file")->type_name("FILE")->capture_default_str();
   sub.add_option("--frames", options.frames,
-                 "Good frames for a measurement; with --turn, of each side; with --around, of the front")
+                 "Accepted frames needed for a measurement; with --turn, for each side; with --around, for the front")
       ->range(1, 1000)
       ->capture_default_str();
-  sub.add_option("--calibration", options.calibration, "Pose requested first: none, or psi as in the paper")
+  sub.add_option("--calibration", options.calibration,
+                 "Pose that the person takes first: none, or psi as in the paper")
       ->one_of({"none", "psi"})
       ->capture_default_str();
   auto* turn = sub.add_word_flag(
       "--turn", options.turn, "back",
-      "Measure front and back: guidance TURN_ROUND requests the turn. If the person does not turn within 15 s, "
-      "or leaves, the front alone is used");
+      "Measure front and back. Guidance TURN_ROUND asks the person to turn. If the person does not turn within 15 s, "
+      "or leaves, only the front is used");
   sub.add_choice_flag(
          "--around", options.turn, {{"person", "around"}, {"camera", "walk"}},
-         "Measure all round, for a better stature, waist, hip and weight: after the front the person "
-         "turns once on the spot, slowly, in 6 to 15 s, the arms held off the body. --around=camera: the "
-         "person stands still, and the camera is carried round in 10 to 30 s; the source must tell the "
-         "camera's poses. Half a turn is enough; with less the front alone is used")
+         "Measure from all sides, for a better stature, waist, hip and weight. After the front, the person "
+         "turns once on the spot, slowly, in 6 to 15 s, with the arms away from the body. --around=camera: the "
+         "person stands still, and the camera is carried round the person in 10 to 30 s; the source must provide "
+         "camera poses. Half a turn is sufficient; with less, only the front is used")
       ->excludes(turn);
-  sub.add_option(
-         "--clothing", options.clothing,
-         "Clothing of the person. bare: underwear or close-fitting sportswear. dressed: the body underneath is "
-         "measured, with wider intervals. auto: estimated from the frames; intervals include that uncertainty")
+  sub.add_option("--clothing", options.clothing,
+                 "Clothing of the person. bare: underwear or close-fitting sportswear. dressed: the body under the "
+                 "clothes is measured, with wider intervals. auto: estimated from the frames; intervals include the "
+                 "uncertainty")
       ->one_of(std::vector<std::string>(kClothingGivenNames.begin(), kClothingGivenNames.end()))
       ->capture_default_str();
   add_known_options(sub, options.known_words);
   sub.add_option("--sensor", options.sensor,
-                 "Kind of depth sensor; people's outlines depend on it. auto: as the camera's driver reports, else "
+                 "Kind of depth sensor, which affects the outline of a person. auto: as reported by the driver, or "
                  "estimated from the noise and from the missing depth beside the person")
       ->one_of(std::vector<std::string>(kSensorKindNames.begin(), kSensorKindNames.end()))
       ->capture_default_str();
   sub.add_option("--user", options.user_word,
-                 "Person to measure: nearest, or an id. With an id the others only watch")
+                 "Person to measure: nearest, or an id. With an id, other people are ignored")
       ->type_name("nearest|ID")
       ->check([](const std::string& word) {
         return user_of(word) ? std::string() : "expected nearest, or the id that im2fit live shows with a person";
       })
       ->capture_default_str();
   sub.add_option("--region", options.region,
-                 "Measure only people whose feet are within: a rectangle on the floor in metres, x to the camera's "
-                 "right, z away from it, from the point under the camera. -0.6,1.5,0.6,3 is 1.2 m wide")
+                 "Measure only people whose feet are within this rectangle on the floor, in metres from the point "
+                 "under the camera: x to the camera's right, z away from it. -0.6,1.5,0.6,3 is 1.2 m wide")
       ->type_name("X0,Z0,X1,Z1")
       ->check(region_fault);
   sub.add_option("--size-chart", options.size_charts, "Size chart file(s), see docs/result.md (default: EN 13402-3)")
       ->type_name("CSV");
-  sub.add_option("--calibration-site", options.site,
-                 "Site calibration, made by im2fit-lab calibrate; corrects every value and is named in result.json")
+  sub.add_option(
+         "--calibration-site", options.site,
+         "Site calibration, made by im2fit-lab calibrate; it corrects every value and is named in result.json")
       ->type_name("FILE");
-  sub.add_option("--tape", options.tapes, "Your own measurements, see docs/tape.md; result.json has them under tape")
+  sub.add_option("--tape", options.tapes,
+                 "Your own measurement definitions, see docs/tape.md; their values are in tape of result.json")
       ->type_name("YAML");
-  sub.add_option("--truth", options.input.truth_path, "truth.json of a rendered person, to print errors")
+  sub.add_option("--truth", options.input.truth_path, "truth.json of a rendered person; the errors are printed")
       ->type_name("FILE");
   sub.add_option("--threads", options.threads, "1 or 2; the result does not depend on it")
       ->one_of({1, 2})
       ->capture_default_str();
   add_motion_option(sub, options.motion);
   sub.add_option("--export", options.exports,
-                 "File(s) of all measurements: .smis (Seamly2D), .json (FreeSewing), .yaml (GarmentCode), .csv; see "
+                 "File(s) for all measurements: .smis (Seamly2D), .json (FreeSewing), .yaml (GarmentCode), .csv; see "
                  "docs/tape.md")
       ->type_name("FILE")
       ->check(measurement_file_fault);
-  sub.add_option("--export-unit", options.export_unit, "Unit of .csv; in: of .smis too, which is in cm otherwise")
+  sub.add_option("--export-unit", options.export_unit,
+                 "Unit of .csv; in also applies to .smis, which otherwise uses cm")
       ->one_of({"mm", "cm", "in"})
       ->capture_default_str();
-  sub.add_flag("--paper", options.paper, "Show the values of the paper's own estimators beside ours in the table");
-  sub.add_flag("--timing", options.timing, "Add times to the result");
-  sub.add_flag("--json", options.json, "Print result.json, and nothing else, on stdout");
+  sub.add_flag("--paper", options.paper, "Add the values of the paper's estimators to the table");
+  sub.add_flag("--timing", options.timing, "Add processing times to the result");
+  sub.add_flag("--json", options.json, "Print only result.json on stdout");
 }
 
 void add_motion_option(cli::App& sub, std::string& path) {
-  sub.add_option("--motion", path, "File of the joints over time: .csv, .bvh or .glb, see docs/motion.md")
+  sub.add_option("--motion", path, "File for the joints over time: .csv, .bvh or .glb, see docs/motion.md")
       ->type_name("FILE")
       ->check(MotionRecording::fault_of);
 }

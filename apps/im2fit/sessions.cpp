@@ -200,7 +200,8 @@ void add_sessions(cli::App& app, Command& chosen) {
     auto options = std::make_shared<SessionsOptions>();
     options->session.root = sessions::default_root();
     cli::App* sub = add_command<SessionsOptions>(*parent, chosen, name, description, example, options, run);
-    if (of_one) sub->add_option("ID", options->session.id, "Id, as im2fit sessions list prints it")->required();
+    if (of_one)
+      sub->add_option("ID", options->session.id, "Id of the session, from im2fit sessions list")->required();
     sub->add_option("--root", options->session.root, "Folder of the sessions")
         ->type_name("DIR")
         ->capture_default_str();
@@ -210,15 +211,15 @@ void add_sessions(cli::App& app, Command& chosen) {
       add("list", "List the sessions, the oldest first", "  im2fit sessions list --json", run_list, false);
   list->add_flag("--json", listed->json, "As JSON");
   auto [show, shown] = add("show", "Show the values of a session", "  im2fit sessions show ID", run_show, true);
-  show->add_flag("--json", shown->json, "Print its session.json");
+  show->add_flag("--json", shown->json, "Print session.json");
   auto [measure, measured] =
-      add("measure", "Measure its recording again and compare: tape, then, now",
+      add("measure", "Measure the recording again and compare tape, earlier and new values",
           "  im2fit sessions measure ID\n  im2fit sessions measure ID --index new.i2f", run_measure, true);
   add_models(*measure, measured->session);
   measure->add_option("--out", measured->session.out, "Folder for the new result.json, avatar and overlay")
       ->type_name("DIR");
   measure->add_flag("--json", measured->json, "Print both results as JSON");
-  auto [replay, replayed] = add("replay", "Show its recording in this terminal (on stderr)",
+  auto [replay, replayed] = add("replay", "Show the recording in this terminal (on stderr)",
                                 "  im2fit sessions replay ID", run_replay, true);
   add_models(*replay, replayed->session);
   add("delete", "Delete a session with its recording and results", "  im2fit sessions delete ID", run_delete, true);

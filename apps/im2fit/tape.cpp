@@ -282,14 +282,14 @@ Result<int> run_show(const TapeOptions& options) {
 }
 
 void add_common(cli::App& sub, TapeOptions& options) {
-  sub.add_option("--tape", options.tapes, "Your own measurements, see docs/tape.md")->type_name("YAML");
+  sub.add_option("--tape", options.tapes, "Your own measurement definitions, see docs/tape.md")->type_name("YAML");
   sub.add_flag("--json", options.json, "As JSON");
 }
 
 }  // namespace
 
 void add_tape(cli::App& app, Command& chosen) {
-  cli::App* parent = app.add_subcommand("tape", "Measurements: list them, or show one");
+  cli::App* parent = app.add_subcommand("tape", "List the measurement definitions, or show one");
   parent->footer("Examples:\n  im2fit tape list\n  im2fit tape show thigh_girth --out thigh.png");
   auto listed = std::make_shared<TapeOptions>();
   cli::App* list =
@@ -298,10 +298,10 @@ void add_tape(cli::App& app, Command& chosen) {
   add_common(*list, *listed);
   auto shown = std::make_shared<TapeOptions>();
   cli::App* show = add_command<TapeOptions>(
-      *parent, chosen, "show", "Show how a measurement is taken, and where on the body",
+      *parent, chosen, "show", "Show how and where on the body a measurement is taken",
       "  im2fit tape show waist_girth\n  im2fit tape show across_back --out across_back.svg", shown, run_show);
   add_common(*show, *shown);
-  show->add_option("id", shown->id, "Id, as im2fit tape list prints it")->required()->type_name("ID");
+  show->add_option("id", shown->id, "Id of the measurement, from im2fit tape list")->required()->type_name("ID");
   show->add_option("--out", shown->out, "Picture to write, .svg or .png")->type_name("FILE");
   show->add_option("--on", shown->drawn_on, "Body in the picture")->one_of({"woman", "man"})->capture_default_str();
   show->add_option("--body", shown->body, "Body file")->type_name("FILE")->capture_default_str();

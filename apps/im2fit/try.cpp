@@ -154,18 +154,18 @@ Result<int> run(const TryOptions& options) {
 void add_try(cli::App& app, Command& chosen) {
   auto options = std::make_shared<TryOptions>();
   cli::App* sub = add_command<TryOptions>(
-      app, chosen, "try", "Try a garment on: the ease of every size on a measured person, and which to buy",
+      app, chosen, "try", "Report how each size of a garment fits a measured person, and which size to buy",
       "  im2fit measure person.oni --out me\n  im2fit try t_shirt --result me/result.json\n"
       "  im2fit try trousers --size L --result me/result.json --out trousers.png",
       options, run);
   sub->add_option("garment", options->garment, "t_shirt, trousers and so on, or a file (docs/garments.md)")
       ->required()
       ->type_name("GARMENT");
-  sub->add_option("--result", options->result, "result.json of the person, as im2fit measure writes it")
+  sub->add_option("--result", options->result, "result.json of the person, written by im2fit measure")
       ->required()
       ->type_name("FILE");
   sub->add_option("--size", options->size, "Size to draw and to report (default: the best)")->type_name("SIZE");
-  sub->add_option("--out", options->out, "File of the dressed person: a picture (.png) or an avatar (.glb)")
+  sub->add_option("--out", options->out, "File for the dressed person: a picture (.png) or an avatar (.glb)")
       ->type_name("FILE");
   sub->add_option("--size-chart", options->size_charts,
                   "Size chart file(s), see docs/result.md (default: EN 13402-3)")

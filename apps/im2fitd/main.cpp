@@ -50,15 +50,15 @@ Status serve(const Words& words) {
 
 int main(int argc, char** argv) {
   using namespace im2fit::daemon;
-  CLI::App app{
-      "Measures one person after the other in front of a camera and publishes the results at a local socket.",
-      "im2fitd"};
+  CLI::App app{"Measures one person after another in front of a camera and sends the results over a local socket.",
+               "im2fitd"};
   app.footer(
-      "Made for systemd: see im2fitd.service and docs/daemon.md. Exit codes: 0 stopped, 1 failed, 2 wrong use.");
+      "Runs under systemd: see im2fitd.service and docs/daemon.md. Exit codes: 0 stopped, 1 failure, 2 wrong "
+      "arguments.");
   Words words;
   app.set_version_flag("--version", std::string("im2fitd ") + IM2FIT_VERSION, "Print the version and exit");
-  app.add_option("--config", words.config, "Configuration")->type_name("YAML")->capture_default_str();
-  app.add_flag("--check", words.check, "Only check the configuration and its files, as at a start");
+  app.add_option("--config", words.config, "Configuration file")->type_name("YAML")->capture_default_str();
+  app.add_flag("--check", words.check, "Check the configuration and its files, then exit");
   if (const auto manual = im2fit::apps::manual_asked(app, argc, argv))
     return std::fputs(manual->c_str(), stdout) >= 0 && std::fflush(stdout) == 0 ? 0 : 1;
   try {

@@ -59,7 +59,7 @@ void add_make(cli::App& app, Command& chosen) {
       options, run_make);
   std::vector<std::string> names;
   for (const Maker& maker : kMakers) names.emplace_back(maker.name);
-  sub->add_option("WHAT", options->what, "Table or picture to make; alone, it prints its arguments")
+  sub->add_option("WHAT", options->what, "Table or picture to make; without further arguments, its usage is printed")
       ->one_of(names)
       ->required();
   sub->add_option("WORDS", options->words, "Its files and options; put -- before options");
