@@ -9,9 +9,9 @@
 namespace im2fit {
 
 enum class ErrorCode {
-  invalid_argument,  // the caller's words are off
+  invalid_argument,  // an argument of the caller is wrong
   not_found,
-  io,       // the operating system refused a read or write (also: disk full, no permission)
+  io,       // reading or writing failed (also: disk full, no permission)
   corrupt,  // a file is damaged, truncated or foreign
   unsupported,
   no_device,

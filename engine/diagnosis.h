@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Why frames show no person: their values, their rotation, their intrinsics.
+// Finds out why no person is found: wrong values, rotation or intrinsics.
 #pragma once
 
 #include "core/camera.h"
@@ -8,9 +8,9 @@
 
 namespace im2fit {
 
-// Of an upright picture as pushed. `joint_model`: of several units that make a room, the one in which a person of
-// usual height is found is named; null: the likeliest. Some tenths of a second where the unit is in question.
-// Allocates.
+// Takes an upright picture as pushed. If several units give a plausible room, `joint_model` is used to select the
+// unit in which a person of usual height is found; null: the most likely unit. Takes some tenths of a second if the
+// unit is uncertain. Allocates.
 hal::DepthDiagnosis diagnose(DepthView depth, const Intrinsics& intrinsics, const JointModel* joint_model);
 
 }  // namespace im2fit

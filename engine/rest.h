@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which frames need sensing while nothing moves. Decided from the frames and their times alone, so that the same
-// frames give the same results on one thread and on two.
+// Decides which frames must be sensed while nothing moves. It uses only the frames and their times, so the same
+// frames give the same results with one thread and with two.
 #pragma once
 
 #include "core/camera.h"
@@ -10,17 +10,17 @@ namespace im2fit {
 
 enum class RestStep : int {
   sense,   // the normal case
-  repeat,  // a periodic check of a still scene: the last detection holds
-  pass,    // between two checks: the frame is only counted
+  repeat,  // periodic output in a still scene: the last detection is used again
+  pass,    // all other frames of a still scene: the frame is only counted
 };
 
 // No allocation after construction, no threads.
 class RestGate {
  public:
   RestGate(int width, int height) : change_(width, height) {}
-  // `seconds` since the frame before; `nothing_to_do`: no person was in view when a frame was last sensed, or the
-  // session waits for the measured person to leave. Any change is sensed at once, and every frame for kStillSeconds
-  // after it.
+  // `seconds`: since the previous frame. `nothing_to_do`: no person was in view in the last sensed frame, or the
+  // session waits until the measured person leaves. A frame with a change is sensed at once, and so are all frames in
+  // the following kStillSeconds.
   RestStep step(DepthView depth, float seconds, bool nothing_to_do);
   // Forces the next frame to be sensed.
   void wake();

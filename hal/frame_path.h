@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every source does with a frame at the edge: undo the lens, turn it upright, keep the books on its number.
+// Common steps of all sources for each frame: correct the lens, rotate the picture upright, count its number.
 #pragma once
 
 #include <cstdint>
@@ -11,23 +11,23 @@
 
 namespace im2fit::hal {
 
-// Turns the camera's picture upright; allocates only when made.
+// Rotates the camera's picture upright. Allocates only in the constructor.
 class UprightPath {
  public:
   UprightPath() = default;
   UprightPath(const Intrinsics& camera, int rotate_deg);
-  // Checks the calibration and undoes its distortion too. `what` names its file or device.
+  // Checks the calibration and also corrects its lens distortion. `what` names the file or device.
   static Result<UprightPath> make(const Calibration& calibration, int rotate_deg, const std::string& what);
 
   const Intrinsics& camera() const { return camera_; }
   const Intrinsics& upright() const { return upright_; }
   int rotate_deg() const { return rotate_deg_; }
   std::size_t pixel_count() const { return pixels_.size(); }
-  // A buffer of the camera's size to fill before deliver().
+  // A buffer of the camera's size. Fill it before deliver().
   DepthImage camera_image() { return {pixels_.data(), camera_.width, camera_.height}; }
   void deliver(DepthImage out);                          // from camera_image()
   void deliver(DepthView camera_frame, DepthImage out);  // `camera_frame` without padding between its rows
-  // The destination handed to next() has the upright size.
+  // Checks that the destination of next() has the upright size.
   Status check(const DepthImage& out, const std::string& what) const;
 
  private:

@@ -18,45 +18,45 @@ namespace im2fit::hal {
 enum class IntrinsicsOrigin { device, calibration_file, recording, field_of_view, caller, synthetic };
 
 struct SourceInfo {
-  std::string uri;        // the argument of open(), normalised
+  std::string uri;        // the normalised argument of open()
   std::string name;       // vendor and model, or the path
   std::string serial;     // "" when there is none
   Intrinsics intrinsics;  // of the frames next() delivers: after rotation
   IntrinsicsOrigin intrinsics_origin = IntrinsicsOrigin::device;
   int rotate_deg = 0;
-  SensorKind sensor = SensorKind::unknown;  // where the camera is known
-  bool live = false;                        // live sources may drop frames; the others never do
+  SensorKind sensor = SensorKind::unknown;  // if the camera is known
+  bool live = false;                        // live sources may drop frames; others do not
   std::int64_t frame_count = -1;            // -1: not known or endless
-  double unit_mm = 1;  // of a folder's pixels as stored: what --unit replaces; frames are in millimetres
+  double unit_mm = 1;  // unit of a folder's stored pixels, which --unit replaces; frames are in millimetres
 };
 
-// From the axes of a frame (x right, y down, z forward) to those of a place at rest: directions by a unit quaternion,
-// then `position_mm`, where the camera is.
+// Transforms from the axes of a frame (x right, y down, z forward) to static axes: a rotation by a unit quaternion,
+// then a translation by the position of the camera.
 struct CameraPose {
   float x = 0, y = 0, z = 0, w = 1;
   Vec3f position_mm;
 };
 
-// Pixels belong to the caller's pool: next() fills `depth`.
+// The pixels are in the caller's buffer: next() fills `depth`.
 struct FrameInfo {
-  std::uint64_t sequence = 0;      // device's own where it has one, else counted here from 0
-  std::int64_t host_ns = 0;        // live: CLOCK_MONOTONIC at arrival. Recordings: the recording's own clock, so that
-                                   // a replay gives the same bits however fast it runs
-  std::int64_t device_us = -1;     // device ticks in microseconds; -1 when it has none
-  std::optional<Vec3f> down = {};  // unit, axes of the frame delivered; none: as before
-  // Of the frame delivered, from a camera that moves and tells where it is: the engine steadies its frames
-  // (hal/steady_view.h). None: the camera stands still.
+  std::uint64_t sequence = 0;   // the device's number if it has one, otherwise counted here from 0
+  std::int64_t host_ns = 0;     // live: CLOCK_MONOTONIC at arrival. Recordings: the clock of the recording, so that
+                                // a replay gives the same bits at any speed
+  std::int64_t device_us = -1;  // device ticks in microseconds; -1: none
+  std::optional<Vec3f> down = {};  // unit vector, axes of the delivered frame; none: unchanged
+  // Pose of a moving camera for the delivered frame. The engine resamples such frames to a static view
+  // (hal/steady_view.h). None: the camera is static.
   std::optional<CameraPose> pose = {};
 };
 
 struct SourceStats {
   std::uint64_t delivered = 0;
-  std::uint64_t gaps = 0;     // sequence numbers skipped
-  std::uint64_t repeats = 0;  // sequence numbers seen again
-  std::uint64_t damaged = 0;  // frames refused
+  std::uint64_t gaps = 0;     // skipped sequence numbers
+  std::uint64_t repeats = 0;  // repeated sequence numbers
+  std::uint64_t damaged = 0;  // rejected frames
 };
 
-// Thread rules: one thread calls start/next/stop; close may follow from any thread once next has returned.
+// Threads: one thread calls start, next and stop. Any thread may close the source after next has returned.
 class Source {
  public:
   virtual ~Source() = default;
@@ -68,30 +68,30 @@ class Source {
   virtual Result<FrameInfo> next(DepthImage depth, int timeout_ms) = 0;
   virtual void stop() = 0;
   virtual SourceStats stats() const = 0;
-  // The direction of down, a unit vector in the axes of the frames delivered (x right, y down, z forward), from a
-  // camera with an accelerometer at rest. None: the camera has none, or is moving.
+  // The direction of gravity from an accelerometer, a unit vector in the axes of the delivered frames (x right, y
+  // down, z forward). None: the camera has no accelerometer or is moving.
   virtual std::optional<Vec3f> down() const { return std::nullopt; }
-  // The camera is away and may come back (ReconnectingSource): until then next() returns timeout.
+  // The camera is disconnected and may return (ReconnectingSource). Until then next() returns timeout.
   virtual bool lost() const { return false; }
 };
 
-// The direction of down for a frame just delivered: the frame's own or, about every second, source.down(), which uses
-// the bus of the frames. None: unchanged.
+// The direction of gravity for the latest frame: that of the frame or, about once per second, source.down(), which
+// uses the same bus as the frames. None: unchanged.
 inline std::optional<Vec3f> down_of(const Source& source, const FrameInfo& frame) {
   constexpr std::uint64_t kDownEvery = 30;  // frames, about a second
   if (frame.down || frame.sequence % kDownEvery != 0) return frame.down;
   return source.down();
 }
 
-// The upright picture of a camera that was turned when it was mounted. With W x H the size of `in`:
+// The upright picture of a camera that is mounted rotated. W x H is the size of `in`:
 //    90: upright(u, v) = in(v, H - 1 - u)            `out` is H wide and W high
 //   180: upright(u, v) = in(W - 1 - u, H - 1 - v)
-//   270: upright(u, v) = in(W - 1 - v, u)            the inverse turn of 90
+//   270: upright(u, v) = in(W - 1 - v, u)            the inverse of 90
 // `rotate_deg` is 0, 90, 180 or 270 (is_rotation()), `out` has the upright size and does not overlap `in`.
 void rotate_upright(DepthView in, int rotate_deg, DepthImage out);
 Intrinsics rotate_upright(const Intrinsics& in, int rotate_deg);
 Vec3f rotate_upright(Vec3f in, int rotate_deg);  // a direction in the camera's axes
-// The place at rest is turned along with the frame, so that one that is upright in its frames stays so.
+// The static axes are rotated with the frame, so a pose that is upright in its frames stays upright.
 CameraPose rotate_upright(const CameraPose& delivered, int rotate_deg);
 bool is_rotation(int rotate_deg);
 // `what` names the file or device in the error.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Steadies a hand-held or moving camera that reports its pose: its frames are converted to those of a camera at rest.
-// All later stages rely on a camera at rest: floor, people and the mean over frames.
+// Stabilises the frames of a hand-held or moving camera that reports its pose: they are resampled to a static view.
+// All later stages need a static camera: floor, people and the mean over frames.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace im2fit::hal {
 
-// From the axes of one camera to those of another: directions by `turn`, row by row, points then by `step_mm`.
+// Transforms between the axes of two cameras: rotation `turn` (row by row), then translation `step_mm`.
 struct CameraMotion {
   std::array<float, 9> turn = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   Vec3f step_mm;
@@ -23,28 +23,28 @@ CameraMotion motion_between(const CameraPose& from, const CameraPose& to);
 // + - * / and sqrt only: the same bits everywhere. One thread at a time.
 class SteadyView {
  public:
-  // A camera that has turned or moved further than this from its first pose shows another scene: its frame is the
-  // first of a new view. Ten degrees are a fifth of a phone's picture, which is lost at its edge.
+  // If the camera has rotated or moved by more than this since its first pose, its frame begins a new view. Ten
+  // degrees are a fifth of a phone's picture, which is lost at the edge.
   static constexpr float kTurnMaxDeg = 10, kStepMaxMm = 150;
 
-  // A camera carried faster than this is walking, until it is plainly slower; measured over some kWalkingS.
+  // A camera above kWalkMmS is carried (walks), until it is below kStandMmS; averaged over about kWalkingS.
   static constexpr float kWalkMmS = 150, kStandMmS = 80, kWalkingS = 0.3F;
 
-  // For pictures of this size; allocates.
+  // Prepares for pictures of this size. Allocates.
   void prepare(int width, int height);
-  // `walks`: each frame of a walking camera is a view of its own. Else it is changed to the view like that of a hand
-  // that trembles, and what a step uncovers is lost.
+  // `walks`: each frame of a walking camera is a separate view. Otherwise it is resampled to the current view, as for
+  // a hand-held camera, and newly visible surfaces are lost.
   void follow_walks(bool walks) { follow_walks_ = walks; }
-  // The next pose becomes the pose at rest.
+  // The next pose begins a new view.
   void forget();
-  // Where the camera is now, `seconds` after the last one. Returns whether its frames are to be changed.
+  // Takes the current pose, `seconds` after the last one. Returns whether the frame must be resampled.
   bool take(const CameraPose& pose, float seconds = 1.0F / 30);
-  // Of the view: the pose at rest. After take().
+  // The pose of the view. Call after take().
   const CameraPose& pose() const { return *first_; }
-  // A direction in the axes of the frame, in those of the view.
+  // Converts a direction from the axes of the frame to those of the view.
   Vec3f in_view(Vec3f direction) const;
-  // In place, after take(): each pixel of the view is the one whose ray meets it (nearest sample), with the depth it
-  // has there; 0 outside the frame. A surface that a step aside uncovers has what lies beside it, or nothing.
+  // Resamples the frame in place (nearest neighbour), with the depths of the view; 0 outside the frame. Call after
+  // take(). Surfaces that are hidden in the frame get the depth beside them, or none.
   void run(const Intrinsics& k, DepthImage frame);
 
  private:
@@ -53,7 +53,7 @@ class SteadyView {
   std::optional<CameraPose> first_;
   CameraMotion to_view_;  // from the frame's camera
   bool follow_walks_ = false, walks_ = false;
-  std::optional<Vec3f> before_mm_;  // where the camera was
+  std::optional<Vec3f> before_mm_;  // previous position of the camera
   Vec3f speed_mm_s_;                // smoothed
   std::vector<std::uint16_t> frame_;
 };
