@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Body measurements from a depth camera, on this machine alone.
+"""Body measurements from a depth camera. All processing runs on this machine.
 
     import im2fit
     person = im2fit.measure("FOLDER")          # a depth folder; "me.oni" and "openni2" with libim2fit-cameras
@@ -13,7 +13,7 @@ Frame by frame, from any camera:
             ...
         person = session.finish()
 
-The C library does the work; its header im2fit.h is the manual. A Session belongs to one thread at a time.
+This package calls the C library. Its header im2fit.h is the reference. Only one thread at a time may use a Session.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ def garment_names(language: str = "en") -> dict[str, str]:
 
 
 def guidance_text(code: GuidanceCode, language: str = "en") -> str:
-    """What to say to the person, in at most six words: "Step back" for TOO_NEAR. `language`: "en", "de", "es", "fr" or "zh"."""
+    """The text to show or speak to the person, at most six words: "Step back" for TOO_NEAR. `language`: "en", "de", "es", "fr" or "zh"."""
     text = _lib().im2fit_guidance_text(code.bit_length() - 1, language.encode())
     if text is None:
         raise ValueError(f"no text for {code!r} in the language {language!r}: expected en, de, es, fr or zh")
@@ -113,7 +113,7 @@ def rig_nodes() -> list[str]:
 
 
 def rig_node_parents() -> list[int]:
-    """For each of rig_nodes() the index of its parent; -1 for the first."""
+    """The index of the parent of each of rig_nodes(); -1 for the first."""
     return [_lib().im2fit_rig_node_parent(i) for i in range(_c.RIG_NODES)]
 
 
@@ -129,9 +129,9 @@ def tape_names(language: str = "en") -> dict[str, str]:
 
 @dataclasses.dataclass(frozen=True)
 class Guidance:
-    """The progress of a session. `codes`: what the person or the scene must change now. `view`: the side of the person in the
-    latest frame. `turned_deg`: with Turn.AROUND, how far the person has turned. For a progress bar: `frames_used` of
-    `frames_wanted`; with Turn.BACK of both sides, each with `frames_wanted`."""
+    """The progress of a session. `codes`: what the person or the scene must change now. `view`: the visible side of the person
+    in the latest frame. `turned_deg`: with Turn.AROUND, the angle turned so far. For a progress bar, show `frames_used` out of
+    `frames_wanted`; with Turn.BACK it counts both sides, each with `frames_wanted`."""
 
     state: State
     codes: tuple[GuidanceCode, ...]
@@ -160,8 +160,8 @@ class User:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Mask:
-    """The pixels of the person in a frame. `pixels`: height x width of the upright picture, True where the person is.
-    `user_id`: the person, as User.id; 0: no person is in view. `sequence`, `time_ns`: of the frame."""
+    """The mask of the person in a frame. `pixels`: height x width of the upright picture, True for the person. `user_id`: the
+    User.id of the person; 0: no person in view. `sequence`, `time_ns`: those of the frame."""
 
     pixels: npt.NDArray[np.bool_]
     user_id: int
@@ -171,8 +171,8 @@ class Mask:
 
 @dataclasses.dataclass(frozen=True)
 class Diagnosis:
-    """Why a frame shows no person. `code`: "" for nothing, else as IM2FIT_DIAGNOSIS_...: "UNIT", "ROTATED", ... `unit_mm` and
-    `rotate_deg`: what makes it right, 0 where the code is about something else. `text`: the same as the programs print."""
+    """The reason why no person is found in a frame. `code`: "" if no cause is found, otherwise as IM2FIT_DIAGNOSIS_...: "UNIT",
+    "ROTATED", ... `unit_mm` and `rotate_deg`: the correct value, or 0 for other codes. `text`: as printed by the programs."""
 
     code: str
     text: str
@@ -182,7 +182,7 @@ class Diagnosis:
 
 @dataclasses.dataclass(frozen=True)
 class GarmentFit:
-    """How a garment fits. `best` is the size to buy. `sizes` has the sizes by name, small to large. Each is a dictionary
+    """How a garment fits. `best` is the size to buy. `sizes` has the sizes by name, from small to large. Each value is a dictionary
     from region ("chest") to a pair: the Estimate of the ease, and the Verdict."""
 
     garment: str
@@ -191,8 +191,8 @@ class GarmentFit:
 
 
 class Settings(TypedDict, total=False):
-    """Keywords of Session, Session.of and measure: fields of im2fit_settings. Those that are left out have the defaults of
-    im2fit.h. Flags are 0 or 1."""
+    """Keyword arguments of Session, Session.of and measure: fields of im2fit_settings. Missing ones have the defaults of im2fit.h.
+    Flags are 0 or 1."""
 
     frames_wanted: int
     frames_min: int
@@ -208,7 +208,7 @@ class Settings(TypedDict, total=False):
 
 @dataclasses.dataclass(frozen=True)
 class Models:
-    """The paths of the three model files; each may be a model pack. Without a body ("") there are measurements, but no
+    """The paths of the three model files. Each may be a model pack. Without a body (""), there are measurements but no
     Person.avatar."""
 
     body: str
@@ -217,8 +217,8 @@ class Models:
 
     @staticmethod
     def find(directory: StrPath | None = None) -> Models:
-        """A model pack, or a directory with the three files. None: finds them as the program im2fit does: IM2FIT_BODY and
-        so on, else IM2FIT_MODELS, else a directory with all three (docs/models.md). Raises FileNotFoundError."""
+        """A model pack, or a directory with the three files. None: searches like the program im2fit: IM2FIT_BODY and so on, then
+        IM2FIT_MODELS, then a directory with all three files (docs/models.md). Raises FileNotFoundError."""
         home, env = pathlib.Path.home(), os.environ.get
         data, cache = env("XDG_DATA_HOME") or home / ".local/share", env("XDG_CACHE_HOME") or home / ".cache"
         shared = (env("XDG_DATA_DIRS") or "/usr/local/share:/usr/share").split(":")
@@ -245,14 +245,15 @@ class Models:
 
 
 class Session:
-    """One person before one depth camera. push() takes frames; pump() takes them from a source of Session.of or attach().
+    """Measures one person with one depth camera. push() takes a frame; pump() reads one from a source of Session.of or attach().
 
-    `width, height, fx, fy, cx, cy`: the depth camera, in pixels of frames as they are pushed. `rotate_deg` makes them
-    upright. `models`: a model pack, the folder with the three files, or Models; None: the installed ones (Models.find). `distortion`: of a
-    lens that is not yet undone, in OpenCV's order: k1, k2, p1, p2 and optionally k3. Other keywords are those of Settings:
-    turn=Turn.AROUND, frames_wanted=30, clothing=Clothing.BARE, sensor=Sensor.TIME_OF_FLIGHT.
+    `width, height, fx, fy, cx, cy`: size and intrinsics of the depth camera, in pixels of the pushed frames. `rotate_deg`: rotation
+    that makes them upright. `models`: a model pack, a folder with the three files, or Models; None: the installed models
+    (Models.find). `distortion`: lens distortion that is not yet corrected, in OpenCV's order: k1, k2, p1, p2 and optionally k3.
+    Other keyword arguments are those of Settings: turn=Turn.AROUND, frames_wanted=30, clothing=Clothing.BARE,
+    sensor=Sensor.TIME_OF_FLIGHT.
 
-    One thread at a time may use a session. Raises Error."""
+    Only one thread at a time may use a session. Raises Error."""
 
     def __init__(self, width: int, height: int, fx: float, fy: float, cx: float, cy: float, rotate_deg: int = 0,
                  models: Models | StrPath | None = None, distortion: Sequence[float] = (),
@@ -285,8 +286,8 @@ class Session:
     def of(cls, uri: StrPath, rotate_deg: int | None = None, calibration: StrPath | None = None,
            models: Models | StrPath | None = None, **settings: Unpack[Settings]) -> Session:
         """A session with an attached source: a camera ("openni2", "usb", "v4l2:/dev/video2"), a recording ("me.oni") or a
-        folder. Needs libim2fit-cameras. `rotate_deg`: mounting of the camera, `calibration`: the path of a YAML, both where
-        the source lacks them. Then call pump() until there is a measurement:
+        folder. Needs libim2fit-cameras. If the source lacks them, set `rotate_deg`, the mounting of the camera, and `calibration`,
+        the path of a calibration file. Then call pump() until there is a measurement:
 
             with im2fit.Session.of("openni2", rotate_deg=90) as session:
                 while not session.pump().measured: ...
@@ -308,8 +309,8 @@ class Session:
         return session
 
     def attach(self, uri: StrPath, rotate_deg: int | None = None, calibration: StrPath | None = None) -> None:
-        """Attaches a source, as Session.of does, for pump(). It replaces the attached one. Its upright frames must have the
-        size of the session. The session's intrinsics apply to them."""
+        """Attaches a source for pump(), like Session.of. It replaces the attached source. Its upright frames must have the size of
+        the session. The intrinsics of the session apply to them."""
         options = _camera_options(rotate_deg, calibration)
         handle, cameras = self._open_handle(), _cameras()
         status = cameras.im2fit_cameras_use(handle, ctypes.byref(options))
@@ -326,9 +327,9 @@ class Session:
         self._attached = False
 
     def pump(self, timeout_ms: int = 1000) -> Guidance | None:
-        """Takes one frame from the attached source, if one comes within `timeout_ms`. Skips a damaged frame. Returns the
-        Guidance, or None when a recording or folder has ended. Raises Error "no_device" when the camera is gone, "corrupt"
-        when the index is damaged."""
+        """Processes one frame of the attached source if it arrives within `timeout_ms`. Skips damaged frames. Returns the Guidance,
+        or None at the end of a recording or folder. Raises Error "no_device" if the camera was unplugged, "corrupt" if the index
+        is damaged."""
         status = _lib().im2fit_pump(self._open_handle(), timeout_ms)
         if status == Status.END_OF_STREAM:
             return None
@@ -345,12 +346,12 @@ class Session:
         """Processes one frame. Returns the Guidance.
 
         `depth`: height x width, uint16 millimetres or float32 metres (NaN or 0: no data). `confidence`: uint8 of the same
-        shape; pixels below `confidence_min` hold no data. `down`: the direction of gravity in the axes of the frame, of any
-        length; without it the latest known one holds.
+        shape; pixels below `confidence_min` count as no data. `down`: the direction of gravity in the axes of the frame, of any
+        length; without it, the latest known direction is used.
 
-        `pose`: of a camera in the hand, from the axes of the frame (x right, y down, z forward) to axes at rest. A 4x4 matrix
-        with the position in metres, as Open3D, ROS and ARKit have it; ARKit and OpenGL have y up and z backwards: give
-        matrix @ numpy.diag([1, -1, -1, 1]). Or the seven numbers of im2fit_frame: the unit quaternion x, y, z, w and the
+        `pose`: pose of a hand-held camera, from the axes of the frame (x right, y down, z forward) to static axes. It is a 4x4
+        matrix with the position in metres, as in Open3D, ROS and ARKit. ARKit and OpenGL have y up and z backwards: pass
+        matrix @ numpy.diag([1, -1, -1, 1]). Or it is the seven numbers of im2fit_frame: the unit quaternion x, y, z, w and the
         position in millimetres."""
         depth = np.asarray(depth)
         if depth.shape != self._size or depth.dtype not in (np.uint16, np.float32):
@@ -379,7 +380,7 @@ class Session:
         return self.poll()
 
     def poll(self) -> Guidance:
-        """The Guidance after the latest frame processed."""
+        """The Guidance after the latest processed frame."""
         r = self._result()
         codes = tuple(code for code in GuidanceCode if r.guidance & code)
         return Guidance(State(r.state), codes, bool(r.measured), r.frames_seen, r.frames_used, View(r.view),
@@ -393,8 +394,8 @@ class Session:
         return np.array([(j.x, j.y, j.z, j.confidence) for j in r.joints], np.float32)
 
     def mask(self) -> Mask | None:
-        """The person's pixels in the latest frame, to draw over the picture. None before the first frame after the first call:
-        the library keeps masks from then on."""
+        """The mask of the person in the latest frame, to draw over the picture. The library keeps masks after the first call, so the
+        result is None until the next frame."""
         info, handle = _c.MaskInfo(), self._open_handle()
         status = _lib().im2fit_mask(handle, None, 0, ctypes.byref(info), ctypes.sizeof(info))
         if status == Status.NOT_FOUND:
@@ -405,8 +406,8 @@ class Session:
         return Mask(pixels != 0, info.user_id, info.sequence, info.time_ns)
 
     def diagnose(self, depth: npt.NDArray[np.uint16]) -> Diagnosis:
-        """Why a frame shows no person: values in another unit or byte order, a camera on its side, intrinsics of another picture.
-        `depth`: as for push(), uint16. Up to some tenths of a second: not for every frame."""
+        """The reason why no person is found: wrong unit or byte order, a camera on its side, intrinsics of another picture. `depth`:
+        as for push(), uint16. It can take some tenths of a second: do not call it for every frame."""
         depth = np.asarray(depth)
         if depth.shape != self._size or depth.dtype != np.uint16:
             raise ValueError(f"depth is {depth.dtype} {depth.shape}, expected uint16 {self._size}")
@@ -423,19 +424,19 @@ class Session:
         return [User(u.id, u.left, u.top, u.right, u.bottom, u.x, u.y, u.z) for u in r.users[:r.user_count]]
 
     def select_user(self, user_id: int) -> None:
-        """From the next frame on measures only the person with this User.id; 0: the first one whose guidance is empty. Another
-        id than before begins a new session."""
+        """From the next frame on, measures only the person with this User.id; 0: the first person whose guidance is empty. Another
+        id begins a new session."""
         self._check(_lib().im2fit_select_user(self._open_handle(), user_id))
         self._answer += 1
 
     def set_region(self, x0_mm: float = 0, z0_mm: float = 0, x1_mm: float = 0, z1_mm: float = 0) -> None:
-        """From the next frame on measures only people whose feet are within this rectangle on the floor: x to the camera's
-        right, z away from it, from the point under the camera. No numbers: everywhere."""
+        """From the next frame on, measures only people whose feet are within this rectangle on the floor. Coordinates are relative
+        to the point under the camera: x to the camera's right, z away from it. Without arguments: everywhere."""
         self._check(_lib().im2fit_set_region(self._open_handle(), x0_mm, z0_mm, x1_mm, z1_mm))
 
     def finish(self) -> Person:
-        """Ends the stream and measures with the accepted frames. Returns a Person, measured or not. Call it again after
-        set_known, which changes the measurements."""
+        """Ends the stream and measures with the accepted frames. Returns a Person, measured or not. Call it again after set_known
+        to get the changed measurements."""
         self._check(_lib().im2fit_finish(self._open_handle()))
         text = self._bytes(_lib().im2fit_result_json).decode()
         result = json.loads(text)
@@ -460,8 +461,8 @@ class Session:
         return vertices, triangles
 
     def residual(self) -> dict[str, float]:
-        """By how much the measurements of mesh() differ from those of the measured Person: mm, weight in kg. Below 1 mm where a
-        body has them all."""
+        """The differences between the measurements of mesh() and those of the Person: mm, weight in kg. They are below 1 mm if a
+        body with all these measurements exists."""
         values = (ctypes.c_float * _c.MEASUREMENTS)()
         self._check(_lib().im2fit_body_residual(self._open_handle(), values))
         return {_lib().im2fit_measurement_name(i).decode(): value for i, value in enumerate(values)}
@@ -483,8 +484,8 @@ class Session:
         return GarmentFit(garment, fits[best.value].name.decode(), sizes)
 
     def dressed_avatar(self, *worn: str | tuple[str, str | None]) -> bytes:
-        """The measured person in clothes, as the bytes of a .glb. `worn`, innermost first: the id of a garment, for the best
-        size, or a pair of id and size. Without any: trousers and a T-shirt."""
+        """The measured person in clothes, as the bytes of a .glb. `worn`, innermost first: ids of garments in the best size, or pairs
+        of id and size. Without arguments: trousers and a T-shirt."""
         pairs = [(one, None) if isinstance(one, str) else one for one in worn]
         items = (_c.Worn * len(pairs))(*(_c.Worn(garment.encode(), size.encode() if size else None)
                                          for garment, size in pairs))
@@ -492,7 +493,7 @@ class Session:
 
     def rig(self) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]] | None:
         """The pose of the avatar's nodes (rig_nodes()) in the latest frame: (root, 3 numbers, metres; rotations, 19 x 4, unit
-        quaternions x y z w). None when no person is followed in that frame. Needs a measurement."""
+        quaternions x y z w). None if no person is tracked in this frame. Needs a measurement."""
         rig = _c.Rig()
         status = _lib().im2fit_live_rig(self._open_handle(), ctypes.byref(rig), ctypes.sizeof(rig))
         if status == Status.NOT_FOUND:
@@ -513,10 +514,10 @@ class Session:
     def set_known(self, stature_mm: float | None = None, weight_kg: float | None = None, sex: Sex | None = None,
                   age_years: float | None = None, stature_sd_mm: float | None = None, weight_sd_kg: float | None = None,
                   age_sd_years: float | None = None) -> None:
-        """Sets what the person reports of themselves: evidence beside the frames, before, during or after them. A known
-        weight makes girths more accurate. Add 0.5 to an age in completed years. None and 0: not known. A standard deviation of
-        None is that of facts as people report them; of a weight from a scale give weight_sd_kg=0.7. A second call replaces the
-        first. Person.doubted names what does not fit the frames and was not used."""
+        """Sets facts that the person reports, before, during or after the frames. A known weight makes girths more accurate. Add 0.5
+        to an age in completed years. None and 0: not known. Without a standard deviation, that of reported facts is used; for a
+        weight from a scale, set weight_sd_kg=0.7. A second call replaces the first. Person.doubted names facts that were not
+        used because they contradict the frames."""
         known = _c.Known()
         _lib().im2fit_known_init(ctypes.byref(known), ctypes.sizeof(known))
         known.stature_mm, known.stature_sd_mm = stature_mm or 0, stature_sd_mm or 0
@@ -533,7 +534,7 @@ class Session:
         self._answer += 1
 
     def reset(self) -> None:
-        """Begins a session for a new person and forgets all frames."""
+        """Begins a session for a new person and discards all frames."""
         self._check(_lib().im2fit_reset(self._open_handle()))
         self._number = 0
         self._answer += 1
@@ -607,7 +608,7 @@ def _camera_options(rotate_deg: int | None, calibration: StrPath | None) -> _c.C
 
 
 def read_folder(path: StrPath) -> DepthFolder:
-    """Opens a depth folder (docs/cameras/folders-and-recordings.md): a loop over it reads its frames.
+    """Opens a depth folder (docs/cameras/folders-and-recordings.md). Iterate over it to read its frames.
 
         folder = im2fit.read_folder("FOLDER")
         with im2fit.Session(**vars(folder.camera)) as session:

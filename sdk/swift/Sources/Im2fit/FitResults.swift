@@ -13,8 +13,8 @@ public enum Sex: Int32 {
     case man = 2
 }
 
-/// What the person reports of themselves: evidence beside the frames. 0: not known. A standard deviation of 0 is that of facts
-/// as people report them; of a weight from a scale give 0.7.
+/// Facts that the person reports. They are used together with the frames. 0: not known. A standard deviation of 0 means that of
+/// reported facts; for a weight from a scale, set 0.7.
 public struct Known: Equatable {
     public var statureMm, statureSdMm: Float
     public var weightKg, weightSdKg: Float
@@ -27,7 +27,7 @@ public struct Known: Equatable {
     }
 }
 
-/// A joint of the latest frame, smoothed, to draw: mm in the camera's axes of the upright picture.
+/// A smoothed joint of the latest frame, for display: mm in the camera's axes of the upright picture.
 public struct Joint: Equatable {
     public let name: String        // "HE", "LS", ...: the person's own left and right
     public let position: SIMD3<Float>
@@ -52,7 +52,7 @@ public enum TapeValue: Equatable {
     case refused(reason: String)
 }
 
-/// Why a frame shows no person.
+/// The reason why no person is found in a frame.
 public struct Diagnosis: Equatable {
     public let code: String        // "UNIT"; "" where nothing is wrong
     public let text: String        // what it looks like and what to do, in English
@@ -113,7 +113,7 @@ extension Im2fitError {
 }
 
 extension FitSession {
-    /// Waits until every frame pushed is processed. False after `timeoutMs`; negative: no limit.
+    /// Waits until all pushed frames are processed. False after `timeoutMs`; negative: no limit.
     public func wait(timeoutMs: Int32 = -1) throws -> Bool {
         let status = im2fit_wait(handle, timeoutMs)
         if status == Int32(IM2FIT_ERROR_TIMEOUT.rawValue) { return false }
@@ -121,19 +121,19 @@ extension FitSession {
         return true
     }
 
-    /// Begins a session for a new person and forgets all frames.
+    /// Begins a session for a new person and discards all frames.
     public func reset() throws { try check(im2fit_reset(handle)) }
 
-    /// Measures only people whose feet are within this rectangle on the floor: x to the camera's right, z away from it, from
-    /// the point under the camera. No numbers: everywhere.
+    /// Measures only people whose feet are within this rectangle on the floor. Coordinates are relative to the point under the
+    /// camera: x to the camera's right, z away from it. Without arguments: everywhere.
     public func setRegion(x0Mm: Float = 0, z0Mm: Float = 0, x1Mm: Float = 0, z1Mm: Float = 0) throws {
         try check(im2fit_set_region(handle, x0Mm, z0Mm, x1Mm, z1Mm))
     }
 
-    /// From now on measures only the person with this `FitProgress.userId`; 0: the first person with empty guidance.
+    /// From now on, measures only the person with this `FitProgress.userId`; 0: the first person with empty guidance.
     public func selectUser(_ userId: Int32) throws { try check(im2fit_select_user(handle, userId)) }
 
-    /// Sets what the person reports, before, during or after the frames: `finish()` then has the changed answer.
+    /// Sets facts that the person reports, before, during or after the frames. `finish()` then returns changed measurements.
     public func setKnown(_ facts: Known) throws {
         var known = im2fit_known()
         im2fit_known_init(&known, MemoryLayout<im2fit_known>.size)
@@ -144,7 +144,7 @@ extension FitSession {
         try check(im2fit_set_known(handle, &known))
     }
 
-    /// The joints of the latest frame, to draw; empty without a person. Any thread.
+    /// The joints of the latest frame, for display; empty without a person. Any thread.
     public func joints() throws -> [Joint] {
         let result = try poll()
         guard result.has_joints == 1 else { return [] }
@@ -193,7 +193,7 @@ extension FitSession {
         return Mesh(vertices: vertices, triangles: triangles)
     }
 
-    /// By how much the measurements of the mesh differ from the person's, by name: mm, weight in kg.
+    /// Differences between the measurements of the mesh and the person's, by name: mm, weight in kg.
     public func residual() throws -> [String: Float] {
         var values = [Float](repeating: 0, count: Int(IM2FIT_MEASUREMENT_COUNT))
         try check(im2fit_body_residual(handle, &values))

@@ -13,7 +13,7 @@ public struct Estimate: Equatable {
     public let value, low, high: Float
 }
 
-/// Lens distortion, which the library undoes: the Brown-Conrady model of OpenCV, radial k1 to k3, tangential p1 and p2.
+/// Lens distortion, which the library corrects: the Brown-Conrady model of OpenCV, radial k1 to k3, tangential p1 and p2.
 /// ARKit's depth has none.
 public struct Lens: Equatable {
     public var k1, k2, k3, p1, p2: Float
@@ -31,7 +31,7 @@ public struct CameraModel {
     }
 }
 
-/// The progress after the latest frame processed. Names are those of im2fit.h: "TRACKING", "ARMS_CLOSE".
+/// The progress after the latest processed frame. Names are those of im2fit.h: "TRACKING", "ARMS_CLOSE".
 public struct FitProgress: Equatable {
     public let state: String
     public let guidance: [String]
@@ -42,7 +42,7 @@ public struct FitProgress: Equatable {
     public let turnedDeg: Float      // Turn.around: the farthest that the person has turned; positive to their left
 }
 
-/// The pixels of the person in a frame: rows from the top of the upright picture, 255 the person, 0 all else.
+/// The mask of the person in a frame: rows from the top of the upright picture, 255 the person, 0 everything else.
 public struct Mask: Equatable {
     public let width, height: Int
     public let pixels: [UInt8]
@@ -51,14 +51,14 @@ public struct Mask: Equatable {
     public let timeNs: Int64
 }
 
-/// What to say for a code of the guidance ("TOO_NEAR"), in at most six words; nil for another code or language. `language`:
+/// The text for a guidance code ("TOO_NEAR"), at most six words; nil for another code or language. `language`:
 /// "en", "de", "es", "fr" or "zh".
 public func guidanceText(_ code: String, language: String = "en") -> String? {
     (0..<Int32(IM2FIT_GUIDANCE_COUNT)).first { im2fit_guidance_name($0).map { String(cString: $0) } == code }
         .flatMap { im2fit_guidance_text($0, language) }.map { String(cString: $0) }
 }
 
-/// What is measured besides the front. Numbers of IM2FIT_TURN_...
+/// What is measured in addition to the front. Numbers of IM2FIT_TURN_...
 public enum Turn: Int32 {
     case none = 0    // nothing
     case back = 1    // the back, once the person has turned it to the camera
@@ -81,7 +81,7 @@ public enum DepthSensor: Int32 {
     case stereo = 3     // RealSense D400, OAK-D
 }
 
-/// Settings of a session. The defaults are the library's, except `live`.
+/// Settings of a session. The defaults are those of the library, except `live`.
 public struct FitSettings: Equatable {
     public var framesWanted: Int32 = 30  // accepted frames until the measurement, 1..1000; with Turn.back for each side
     public var framesMin: Int32 = 5      // fewest accepted frames for `finish()` to measure
@@ -99,15 +99,15 @@ public struct Intrinsics: Equatable {
     public init(fx: Float, fy: Float, cx: Float, cy: Float) {
         (self.fx, self.fy, self.cx, self.cy) = (fx, fy, cx, cy)
     }
-    /// Of a smaller picture of the same view: ARKit's are of the colour picture, its depth has another width.
+    /// Scales the intrinsics to another width: ARKit's are those of the colour picture, and its depth picture is smaller.
     public func scaled(fromWidth: Int, toWidth: Int) -> Intrinsics {
         let scale = Float(toWidth) / Float(fromWidth)
         return Intrinsics(fx: fx * scale, fy: fy * scale, cx: (cx + 0.5) * scale - 0.5, cy: (cy + 0.5) * scale - 0.5)
     }
 }
 
-/// The pose of a camera in the hand: the unit quaternion from the axes of the frame as delivered (x right, y down, z forward)
-/// to axes at rest, and the position of the camera in those, mm.
+/// The pose of a hand-held camera: the unit quaternion from the axes of the frame as delivered (x right, y down, z forward) to
+/// static axes, and the position of the camera in the static axes, mm.
 public struct CameraPose: Equatable {
     public var x, y, z, w: Float
     public var placeMm: SIMD3<Float>
@@ -140,7 +140,7 @@ public struct Rig: Equatable {
     public let rotations: [SIMD4<Float>]
 }
 
-/// A description of the models: for a support page, or to refuse models that lack something.
+/// Describes the models, for a support page or to check that they have the required features.
 public struct ModelInfo: Equatable {
     public let madeBy: String        // the program that made the index, and its source data
     public let people: UInt32        // number of people in the index
@@ -160,8 +160,8 @@ public enum Outcome {
     case notMeasured(state: String, guidance: [String])
 }
 
-/// One person before one depth camera. One thread at a time may use a session. Exception: any thread may call `progress()`
-/// and `mask()` while the session exists.
+/// Measures one person with one depth camera. Only one thread at a time may use a session. Exception: any thread may call
+/// `progress()` and `mask()` while the session exists.
 public final class FitSession {
     let handle: OpaquePointer
 
@@ -206,9 +206,9 @@ public final class FitSession {
 
     /// Processes one frame. `metres`: depth as ARKit and AVFoundation deliver it, 32-bit metres, NaN or 0: no data.
     /// `rotateDeg`: clockwise rotation that makes it upright. `down`: the direction of gravity in the axes of this picture
-    /// (x right, y down, z forward); zero: unknown. `lens`: the distortion that the picture still has. `pose`: of a camera in
-    /// the hand. `confidence`: a byte a sample; samples below `confidenceMin` hold no data (ARKit's `confidenceMap` has 0, 1, 2).
-    /// `intrinsics`: of this frame, as they change with focus; nil: those of the session.
+    /// (x right, y down, z forward); zero: unknown. `lens`: distortion that is not yet corrected. `pose`: pose of a hand-held
+    /// camera. `confidence`: one byte per sample; samples below `confidenceMin` count as no data (ARKit's `confidenceMap` has 0,
+    /// 1, 2). `intrinsics`: of this frame, because they change with focus; nil: those of the session.
     public func push(metres: UnsafePointer<Float>, width: Int32, height: Int32, rowBytes: Int = 0, rotateDeg: Int32 = 0,
                      timeNs: Int64 = 0, sequence: UInt64 = 0, down: SIMD3<Float> = .zero, lens: Lens = Lens(),
                      pose: CameraPose? = nil, confidence: UnsafePointer<UInt8>? = nil, confidenceRowBytes: Int = 0,
@@ -244,7 +244,7 @@ public final class FitSession {
                            turnedDeg: result.turned_deg)
     }
 
-    /// The person's pixels in the latest frame; nil before the first frame after the first call. Any thread.
+    /// The mask of the person in the latest frame; nil until the first frame after the first call. Any thread.
     public func mask() throws -> Mask? {
         var info = im2fit_mask_info()
         let infoSize = MemoryLayout<im2fit_mask_info>.size
@@ -257,8 +257,8 @@ public final class FitSession {
                     sequence: info.sequence, timeNs: info.time_ns)
     }
 
-    /// Why an upright frame of the session's size shows no person: `millimetres`, row by row. Takes up to some tenths of a
-    /// second; changes nothing.
+    /// The reason why no person is found in an upright frame of the session's size: `millimetres`, row by row. Takes up to some
+    /// tenths of a second and does not change the session.
     public func diagnose(millimetres: UnsafePointer<UInt16>, width: Int32, height: Int32) throws -> Diagnosis {
         var found = im2fit_diagnosis()
         try check(im2fit_diagnose(handle, millimetres, width, height, 0, &found, MemoryLayout<im2fit_diagnosis>.size))
@@ -325,8 +325,8 @@ public final class FitSession {
         }, best)
     }
 
-    /// The pose of the avatar in the latest frame; nil when no person is followed in it. Needs a measurement. It moves after
-    /// `next()`, as frames are processed again.
+    /// The pose of the avatar in the latest frame; nil if no person is tracked. Needs a measurement. It changes after `next()`,
+    /// when frames are processed again.
     public func rig() throws -> Rig? {
         var rig = im2fit_rig()
         let status = im2fit_live_rig(handle, &rig, MemoryLayout<im2fit_rig>.size)

@@ -38,10 +38,10 @@ data class Direction(val x: Float, val y: Float, val z: Float) {
 }
 
 /**
- * The pose of a camera in the hand, as the platform tracks it (ARCore): the unit quaternion from the axes of the frame as
- * delivered (x right, y down, z forward) to axes at rest, and the position of the camera in those.
+ * The pose of a hand-held camera, as the platform tracks it (ARCore): the unit quaternion from the axes of the frame as
+ * delivered (x right, y down, z forward) to static axes, and the position of the camera in the static axes.
  *
- * @property xMm millimetres. 0 0 0: only the rotation is known, and the camera is assumed to turn about itself
+ * @property xMm millimetres. 0 0 0: only the rotation is known, and the camera is assumed to rotate about itself
  */
 data class CameraPose(
     val x: Float, val y: Float, val z: Float, val w: Float, val xMm: Float = 0f, val yMm: Float = 0f, val zMm: Float = 0f
@@ -61,19 +61,19 @@ data class CameraPose(
 }
 
 /**
- * One depth frame as the camera delivers it. [FitSession.push] copies it, nothing before.
+ * One depth frame in the format of the camera. It is copied only by [FitSession.push].
  *
- * @property pixels a direct buffer of the machine's byte order, from its position on. Rows from the top
+ * @property pixels a direct buffer in the machine's byte order, read from its position. Rows from the top
  * @property rowBytes from row to row; 0: no padding (`Image.Plane.getRowStride()`)
  * @property timeNs monotonic (`Image.getTimestamp()`); 0: none
- * @property sequence the camera's count of frames, so that gaps are noticed; 0: none
- * @property confidence U16, F32: a direct buffer with one byte a sample. Below [confidenceMin]: no data
+ * @property sequence the camera's frame number, to detect gaps; 0: none
+ * @property confidence U16, F32: a direct buffer with one byte per sample. Below [confidenceMin]: no data
  * @property confidenceMin 0: use all samples. DEPTH16: sevenths of full confidence, 0..7. Others: of [confidence], 0..255
  * @property camera the intrinsics of this frame, when focus or calibration changes; null: the session's
  * @property unitMm millimetres of a unit, U16 only
- * @property down the direction of gravity; null: unknown, and the latest known one holds until [FitSession.reset]. It defines
- *   upright where no floor is visible
- * @property pose the pose of a camera in the hand; null: unknown, and the frame is used as it is
+ * @property down the direction of gravity; null: unknown, and the latest known direction is used until [FitSession.reset]. It
+ *   defines the vertical where no floor is visible
+ * @property pose the pose of a hand-held camera; null: unknown, and the frame is used without resampling
  */
 class DepthFrame(
     val pixels: ByteBuffer, val format: DepthFormat, val rowBytes: Int = 0, val timeNs: Long = 0, val sequence: Long = 0,

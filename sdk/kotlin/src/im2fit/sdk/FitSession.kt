@@ -7,12 +7,12 @@ import kotlin.concurrent.read
 import kotlin.concurrent.write
 
 /**
- * One person before one depth camera. Opening loads the models and starts the threads. It takes some tens of
+ * Measures one person with one depth camera. Opening loads the models and starts the threads, which takes some tens of
  * milliseconds. [close] frees the session.
  *
- * Threads: any thread may call any function. Calls that change the session, [push] among them, run one after the other.
- * [progress] and [mask] never wait for them, so a screen may call them while frames arrive. [close] waits until other calls have
- * returned. After it every call throws IllegalStateException.
+ * Threads: any thread may call any function. Calls that change the session, such as [push], run one after another. [progress]
+ * and [mask] never wait for them, so the UI thread may call them while frames arrive. [close] waits until other calls have
+ * returned. After it, every call throws IllegalStateException.
  *
  * @throws Im2fitException a model is missing, damaged or of another version, or a setting is out of range
  */
@@ -68,8 +68,8 @@ class FitSession @JvmOverloads constructor(
     fun progress(): Progress = result().progress()
 
     /**
-     * The person's pixels in the latest frame. Null before the first frame after the first call: the session keeps masks from
-     * then on. Waits for one copy of a mask at most.
+     * The mask of the person in the latest frame. The session keeps masks after the first call, so the result is null until the
+     * next frame. Waits for the copy of one mask at most.
      */
     fun mask(): Mask? = open.read {
         val of = LongArray(5)
@@ -85,7 +85,7 @@ class FitSession @JvmOverloads constructor(
     }
 
     /**
-     * Why a frame shows no person. Up to some tenths of a second: not for every frame.
+     * The reason why no person is found. It can take some tenths of a second: do not call it for every frame.
      *
      * @param depthMm an upright frame, millimetres, rows of [width] values from the top; unsigned, 0: no data
      */
@@ -120,7 +120,7 @@ class FitSession @JvmOverloads constructor(
         return finish()
     }
 
-    /** Waits until every frame pushed is processed. Returns false after [timeoutMs]; negative: no limit. */
+    /** Waits until all pushed frames are processed. Returns false after [timeoutMs]; negative: no limit. */
     fun await(timeoutMs: Int = -1): Boolean {
         val status = inOrder { Native.act(it, Native.DO_WAIT, timeoutMs) }
         if (status == TIMEOUT) return false
@@ -141,26 +141,26 @@ class FitSession @JvmOverloads constructor(
         return Outcome.Measured(result.person(size()))
     }
 
-    /** Begins a session for a new person and forgets all frames. */
+    /** Begins a session for a new person and discards all frames. */
     fun reset() = change { Native.act(it, Native.DO_RESET, 0) }
 
     /** Prepares for the next person, after MEASURED. The next session begins when the measured person has left. */
     fun next() = change { Native.act(it, Native.DO_NEXT, 0) }
 
-    /** From now on measures only the person with this [Progress.userId]. 0: the first person with empty guidance. */
+    /** From now on, measures only the person with this [Progress.userId]. 0: the first person with empty guidance. */
     fun selectUser(userId: Int) = change { Native.act(it, Native.DO_SELECT_USER, userId) }
 
     /**
-     * From now on measures only people whose feet are within this rectangle on the floor: x to the camera's right, z away
-     * from it, from the point under the camera. No numbers: everywhere.
+     * From now on, measures only people whose feet are within this rectangle on the floor. Coordinates are relative to the
+     * point under the camera: x to the camera's right, z away from it. Without arguments: everywhere.
      */
     @JvmOverloads
     fun setRegion(x0Mm: Float = 0f, z0Mm: Float = 0f, x1Mm: Float = 0f, z1Mm: Float = 0f) =
         change { Native.setRegion(it, floatArrayOf(x0Mm, z0Mm, x1Mm, z1Mm)) }
 
     /**
-     * Sets what the person of this session reports, before, during or after the frames: [outcome] then has the changed answer. A
-     * second call replaces the first. [Person.knownDoubted] names what does not fit the frames and was not used: ask again.
+     * Sets facts that the person reports, before, during or after the frames. [outcome] then has the changed measurements. A
+     * second call replaces the first. [Person.knownDoubted] names facts that contradict the frames and were not used: ask again.
      */
     fun setKnown(known: Known) = change {
         Native.setKnown(it, floatArrayOf(
@@ -183,7 +183,7 @@ class FitSession @JvmOverloads constructor(
         mesh
     }
 
-    /** By how much the measurements of [mesh] differ from the person's: mm, weight in kg. Below 1 mm where a body has them all. */
+    /** Differences between the measurements of [mesh] and the person's: mm, weight in kg. Below 1 mm if such a body exists. */
     fun residual(): Map<Measurement, Float> {
         val values = FloatArray(Measurement.values().size)
         change { Native.residual(it, values) }
@@ -241,7 +241,7 @@ class FitSession @JvmOverloads constructor(
     }
 
     /**
-     * The pose of the avatar in the latest frame; null when no person is followed in it. It moves after [next], as frames are
+     * The pose of the avatar in the latest frame; null if no person is tracked. It changes after [next], when frames are
      * processed again, until the next session begins.
      */
     fun rig(): Rig? = inOrder { handle ->

@@ -14,7 +14,7 @@ fun garments(language: String = "en"): List<Garment> = (0 until Native.garmentCo
 
 /** How a garment fits in a region. Order of IM2FIT_FIT_... */
 enum class Fit {
-    /** Too small: it presses on the body. */
+    /** Too small: it constricts the body. */
     TIGHT,
     /** Closer than designed. */
     SNUG,
@@ -34,7 +34,7 @@ data class PlaceFit(val ease: Estimate, val fit: Fit)
 /**
  * How one size fits.
  *
- * @property cost 0: as designed in all regions. Comparable between sizes of one garment
+ * @property cost 0: as designed in all regions. Comparable only between sizes of the same garment
  * @property places the regions by name: "chest", "waist", ...
  */
 data class SizeFit(val size: String, val cost: Float, val places: Map<String, PlaceFit>)

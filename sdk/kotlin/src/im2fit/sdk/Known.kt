@@ -8,12 +8,12 @@ enum class Sex { UNKNOWN, WOMAN, MAN }
 enum class KnownFact { STATURE, WEIGHT, SEX, AGE }
 
 /**
- * What the person reports of themselves: evidence beside the frames. A known weight makes girths more accurate. 0: not known.
+ * Facts that the person reports. They are used together with the frames. A known weight makes girths more accurate. 0: unknown.
  *
  * @property statureMm barefoot, 500..2500
- * @property statureSdMm standard deviation; 0: 20, as people report it; 5: measured
+ * @property statureSdMm standard deviation; 0: 20, for a reported stature. Use 5 for a measured one
  * @property weightKg 15..400
- * @property weightSdKg 0: 3, as people report it; 0.7: from a scale
+ * @property weightSdKg 0: 3, for a reported weight. Use 0.7 for a weight from a scale
  * @property ageYears add 0.5 to completed years
  * @property ageSdYears 0: 0.5
  */

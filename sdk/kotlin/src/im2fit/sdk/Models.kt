@@ -30,7 +30,7 @@ sealed class ModelFile {
  */
 class Models(val tracker: ModelFile, val index: ModelFile, val body: ModelFile? = null) {
     companion object {
-        /** All models of one pack (.i2p). Where the library was built without zstd, a pack of `im2fit-lab pack --stored`. */
+        /** All models of one pack (.i2p). If the library was built without zstd, use a pack made with `im2fit-lab pack --stored`. */
         @JvmStatic
         fun ofPack(pack: ModelFile): Models = Models(pack, pack, pack)
 
@@ -48,7 +48,7 @@ class Models(val tracker: ModelFile, val index: ModelFile, val body: ModelFile? 
 }
 
 /**
- * A description of the models of a session: for a support page, or to refuse models that lack something.
+ * Describes the models of a session, for a support page or to check that the models have the required features.
  *
  * @property madeBy the program that made the index, and its source data
  * @property people number of people in the index

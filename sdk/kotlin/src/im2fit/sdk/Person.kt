@@ -4,7 +4,7 @@ package im2fit.sdk
 /** A value with its 95 % interval: millimetres, kilograms of weight, years of age. */
 data class Estimate(val value: Float, val low: Float, val high: Float)
 
-/** The eleven measurements of the naked body, relaxed standing. Order of the C interface's ids. */
+/** The eleven measurements of the unclothed body in a relaxed standing pose. Order of the C interface's ids. */
 enum class Measurement(val unit: String = "mm") {
     STATURE, SLEEVE_LENGTH, LEG_LENGTH, SHOULDER_BREADTH, NECK_GIRTH, SHOULDER_GIRTH, CHEST_GIRTH, WAIST_GIRTH,
     HIP_GIRTH, INSIDE_LEG, WEIGHT("kg");
@@ -26,11 +26,11 @@ data class Size(val best: String, val probabilities: Map<String, Float>)
  *
  * @property female probability
  * @property views the sides that were measured
- * @property clothed probability of being dressed, from the frames alone; null: not estimated
- * @property clothingEaseMm expected gap of cloth and skin at the trunk; null: not estimated
+ * @property clothed probability of wearing clothes, from the frames alone; null: not estimated
+ * @property clothingEaseMm expected gap between cloth and skin at the trunk; null: not estimated
  * @property joints the mean pose of the measurement
- * @property knownUsed facts of [FitSession.setKnown] in the measurement
- * @property knownDoubted facts that were left out, because they do not fit what was seen
+ * @property knownUsed facts of [FitSession.setKnown] that were used
+ * @property knownDoubted facts that were not used because they contradict the frames
  */
 data class Person(
     val measurements: Map<Measurement, Estimate>, val female: Float, val age: Estimate, val size: Size,

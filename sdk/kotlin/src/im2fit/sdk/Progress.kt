@@ -5,7 +5,7 @@ package im2fit.sdk
 enum class State {
     /** No person yet. */
     SEARCHING,
-    /** A person who cannot be measured yet: see the guidance. */
+    /** A person is found but cannot be measured yet: see the guidance. */
     USER_FOUND,
     /** Waiting for the calibration pose. */
     CALIBRATING,
@@ -19,42 +19,42 @@ enum class State {
     TURNING
 }
 
-/** What the person or the scene must change. Order of the bits IM2FIT_GUIDANCE_... */
+/** What must change about the person or the scene. Order of the bits IM2FIT_GUIDANCE_... */
 enum class Guidance {
     NO_PERSON, TOO_NEAR, TOO_FAR, FEET_CUT, HEAD_CUT, ARMS_CLOSE, NOT_FRONTAL, NOT_UPRIGHT, MOVING, SEVERAL_PEOPLE,
     TOO_NOISY, SIDE_CUT, CALIBRATION_POSE, TURN_ROUND,
-    /** Measured, but dressed although [Settings.clothing] is BARE. */
+    /** Measured, but clothes were detected although [Settings.clothing] is BARE. */
     CLOTHED,
-    /** Turn on the spot, slowly, all round. */
+    /** Make one full turn slowly on the spot. */
     TURN_ON,
-    /** The same, and slower. */
+    /** Turn or walk more slowly. */
     TURN_SLOWER,
-    /** To who holds the phone: walk on round the person. */
+    /** For the holder of the phone: continue to walk round the person. */
     WALK_ROUND,
-    /** Not measured: the person is unlike those that the models were learned from. */
+    /** Not measured: the person is shorter or taller than all training people. */
     OUT_OF_POPULATION,
-    /** Not measured: the floor is curved in the depth. The camera's lens or its kind of distance is not as told. */
+    /** Not measured: the floor is curved in the depth. The lens is not corrected, or frames hold distances, not depths. */
     FLOOR_BENT,
-    /** The feet stand on something above the floor; heights count from there. */
+    /** The feet are on an object above the floor. Heights are measured from there. */
     FEET_RAISED,
-    /** The top of the head has no depth; heights are less certain upwards. */
+    /** The top of the head has no depth. The interval of the stature extends upwards. */
     HEAD_UNSEEN,
-    /** One surface with a wall or a shelf that cannot be told apart: step away from it. */
+    /** The person cannot be separated from a wall or shelf: step away from it. */
     STEP_TO_THE_MIDDLE,
-    /** A part of the body gives no depth: dark or shiny clothes. */
+    /** A part of the body has no depth: dark or shiny clothes. */
     DEPTH_MISSING;
 
-    /** What to say to the person, in at most six words: "Step back". [language]: "en", "de", "es", "fr" or "zh". */
+    /** The text to show or speak to the person, at most six words: "Step back". [language]: "en", "de", "es", "fr" or "zh". */
     @JvmOverloads
     fun text(language: String = "en"): String =
         requireNotNull(Native.text(Native.guidanceText(ordinal, language.toByteArray()))) { "no language '$language'" }
 }
 
-/** What is wrong with frames in which no person is found. Order of IM2FIT_DIAGNOSIS_... */
+/** Why no person is found in a frame. Order of IM2FIT_DIAGNOSIS_... */
 enum class DiagnosisCode {
     NONE, LITTLE_DEPTH, RAW_DISPARITY, BYTES_SWAPPED, PLAYER_BITS, CONFIDENCE_BITS, FLOAT_VALUES, NO_DEPTH_PICTURE, UNIT,
     ROTATED, CENTRE, FIELD_OF_VIEW,
-    /** A code of a newer library: its [Diagnosis.text] says what it is. */
+    /** A code of a newer library: [Diagnosis.text] describes it. */
     UNKNOWN;
 
     internal companion object {
@@ -63,18 +63,18 @@ enum class DiagnosisCode {
 }
 
 /**
- * Why a frame shows no person.
+ * The reason why no person is found in a frame.
  *
- * @property text what it looks like and what to do, as the programs print it, in English; "" for NONE
- * @property unitMm of UNIT and PLAYER_BITS: millimetres per unit; 0: not known
- * @property rotateDeg of ROTATED: the rotation that makes the picture upright
+ * @property text likely cause and remedy in English, as printed by the programs; "" for NONE
+ * @property unitMm for UNIT and PLAYER_BITS: millimetres per unit; 0: not known
+ * @property rotateDeg for ROTATED: the rotation that makes the picture upright
  */
 data class Diagnosis(val code: DiagnosisCode, val text: String, val unitMm: Float, val rotateDeg: Int)
 
 /**
- * The pixels of the person in a frame, to draw over the picture.
+ * The mask of the person in a frame, to draw over the picture.
  *
- * @property pixels rows from the top of the upright picture, [width] bytes each: -1 (255) the person, 0 all else
+ * @property pixels rows from the top of the upright picture, [width] bytes each: -1 (255) the person, 0 everything else
  * @property userId the person, as [Progress.userId]; 0: no person is in view, and the mask is empty
  * @property sequence of the frame, as pushed; [timeNs] too
  */
@@ -85,7 +85,7 @@ class Mask(
     operator fun get(x: Int, y: Int): Boolean = pixels[y * width + x] != 0.toByte()
 }
 
-/** The sides behind a measurement. Order of IM2FIT_VIEWS_... */
+/** The views used for a measurement. Order of IM2FIT_VIEWS_... */
 enum class Views {
     /** Nobody was measured. */
     NONE, FRONT, FRONT_AND_BACK,
@@ -102,7 +102,7 @@ enum class JointName { HE, NE, TO, LS, RS, LE, RE, LA, RA, LH, RH, LK, RK, LF, R
 /**
  * Millimetres in the camera's axes of the upright picture: x right, y down, z forward.
  *
- * @property confidence 0..1: probability of an error below 50 mm. Below 0.25: inferred, not visible
+ * @property confidence 0..1: probability that the error is below 50 mm. Below 0.25: not visible, inferred
  */
 data class Joint(val name: JointName, val x: Float, val y: Float, val z: Float, val confidence: Float)
 
@@ -110,11 +110,11 @@ data class Joint(val name: JointName, val x: Float, val y: Float, val z: Float, 
  * The session after the latest frame that was processed.
  *
  * @property guidance of the latest frame
- * @property armsClose the arms that [Guidance.ARMS_CLOSE] means
+ * @property armsClose the arms to which [Guidance.ARMS_CLOSE] refers
  * @property joints to draw, smoothed; empty without a person
- * @property turnedDeg [Turn.AROUND], from TURNING on: the farthest that the person has turned, degrees; positive to the
+ * @property turnedDeg [Turn.AROUND], from TURNING on: the largest angle that the person has turned, degrees; positive to the
  *   person's left
- * @property framesWanted for a progress bar: [framesUsed] of it; with [Turn.BACK] it counts for each side
+ * @property framesWanted for a progress bar: show [framesUsed] out of it; with [Turn.BACK] it applies to each side
  * @property userId the person of joints and guidance, from 1; 0: no person is in view
  * @property session counts the sessions begun after [FitSession.next], from 0
  */
@@ -123,7 +123,7 @@ data class Progress(
     val framesDropped: Long, val userId: Int, val session: Int, val joints: List<Joint>,
     val turnedDeg: Float, val framesWanted: Long
 ) {
-    /** Whether anything that the screen shows to the person has changed. */
+    /** Whether anything that is displayed to the person has changed. */
     fun saysMoreThan(before: Progress?): Boolean = before == null || state != before.state ||
         guidance != before.guidance || armsClose != before.armsClose || framesUsed != before.framesUsed ||
         turnedDeg != before.turnedDeg

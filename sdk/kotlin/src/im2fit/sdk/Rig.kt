@@ -6,9 +6,9 @@ package im2fit.sdk
  * is entry i of [rigNodes].
  *
  * @property root x y z, the translation of node 0
- * @property rotations four numbers a node: x y z w of a unit quaternion, relative to the parent
- * @property userId the person followed
- * @property inferred joints that are not visible: their pose is a guess
+ * @property rotations four numbers per node: x y z w of a unit quaternion, relative to the parent
+ * @property userId the tracked person
+ * @property inferred joints that are not visible and therefore inferred
  */
 class Rig(val root: FloatArray, val rotations: FloatArray, val userId: Int, val inferred: Set<JointName>) {
     companion object {

@@ -2,7 +2,7 @@
 package im2fit.sdk
 
 /**
- * Lens distortion, which the library undoes: the Brown-Conrady model of OpenCV, radial [k1] to [k3], tangential [p1] and
+ * Lens distortion, which the library corrects: the Brown-Conrady model of OpenCV, radial [k1] to [k3], tangential [p1] and
  * [p2]. All 0: none.
  */
 data class Lens(
@@ -28,7 +28,7 @@ data class Lens(
  * @property width pixels, 1..2048
  * @property fx focal lengths and principal point in pixels; the centre of pixel 0 is 0
  * @property rotateDeg 0, 90, 180, 270: clockwise rotation that makes the picture upright
- * @property lens distortion that the frames still have
+ * @property lens distortion that is not yet corrected
  */
 data class CameraModel @JvmOverloads constructor(
     val width: Int, val height: Int, val fx: Float, val fy: Float, val cx: Float, val cy: Float, val rotateDeg: Int = 0,
@@ -51,21 +51,21 @@ data class CameraModel @JvmOverloads constructor(
 enum class Clothing {
     /** Estimated from the frames, given a body file. */
     ESTIMATED,
-    /** Underwear or close-fitting sportswear. [Guidance.CLOTHED]: the frames show more. */
+    /** Underwear or close-fitting sportswear. [Guidance.CLOTHED]: more clothes were detected. */
     BARE,
-    /** The body underneath is measured, with wider intervals. */
+    /** The body under the clothes is measured, with wider intervals. */
     DRESSED
 }
 
-/** What is measured besides the front. Order of IM2FIT_TURN_... */
+/** What is measured in addition to the front. Order of IM2FIT_TURN_... */
 enum class Turn {
     /** Nothing. */
     NONE,
-    /** The back, once the person has turned it to the camera. */
+    /** The back, after the person has turned it to the camera. */
     BACK,
-    /** All round: one slow turn on the spot. Waist, hip and weight gain most. Needs [Models.body]. */
+    /** One slow full turn on the spot. Improves waist, hip and weight most. Needs [Models.body]. */
     AROUND,
-    /** The same, but the person stands still and the phone is carried round. Each [DepthFrame] has its pose. */
+    /** The person stands still, and the phone is carried round the person. Each [DepthFrame] needs its pose. */
     WALK
 }
 
@@ -78,7 +78,7 @@ enum class Sensor { JUDGED, STRUCTURED_LIGHT, TIME_OF_FLIGHT, STEREO }
  * @property framesWanted accepted frames until the measurement, 1..1000. With [Turn.BACK]: for each side
  * @property framesMin fewest accepted frames for [FitSession.finish] to measure, 1..framesWanted
  * @property live true: [FitSession.push] drops the oldest frame when the library is behind. False: it waits
- * @property turn what the person is asked to do once the front is accumulated. The guidance says when
+ * @property turn what the person is asked to do after the front is accumulated. The guidance requests it
  * @property calibrationPose true: the person raises the arms first
  * @property singleThread true: [FitSession.push] does all work itself
  */
