@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -52,8 +54,9 @@ class TurnSession {
  private:
   bool fit_front(VirtualScene& scene, const HeldOutPerson& person, TurnOutcome& outcome);
   void follow(VirtualScene& scene, const HeldOutPerson& person, int frames, TurnOutcome& outcome);
-  void measure(TurnOutcome& outcome);
-  void compare_levels(TurnOutcome& outcome) const;
+  void measure(const HeldOutPerson& person, TurnOutcome& outcome);
+  std::optional<ActorLevels> true_levels(const HeldOutPerson& person) const;
+  void compare_levels(const ActorLevels& levels, TurnOutcome& outcome) const;
   Detection take(VirtualScene& scene, const HeldOutPerson& person, std::uint64_t frame);
   void keep(ImageView<const std::uint16_t> depth, float unit_mm, MaskView mask, const body::Pose& pose);
 
@@ -73,7 +76,6 @@ class TurnSession {
   std::vector<Keyframe> kept_;
   std::vector<body::TurnView> views_;
   body::PersonAxes axes_;
-  std::shared_ptr<const Actor> actor_;
 };
 
 Detection TurnSession::take(VirtualScene& scene, const HeldOutPerson& person, std::uint64_t frame) {
@@ -152,7 +154,7 @@ void TurnSession::follow(VirtualScene& scene, const HeldOutPerson& person, int f
   outcome.yaw_error_deg = static_cast<float>(error / std::max(1, outcome.frames_followed));
 }
 
-void TurnSession::measure(TurnOutcome& outcome) {
+void TurnSession::measure(const HeldOutPerson& person, TurnOutcome& outcome) {
   const body::TurnFit& fit = turn_.run(views_);
   if (!fit.valid) return;
   for (std::size_t v = 0; v < views_.size(); ++v)
@@ -164,15 +166,39 @@ void TurnSession::measure(TurnOutcome& outcome) {
   mesh_.run(fit.points, fit.bones, mesh);
   outcome.measured_values = measurer_.measure_rest_mesh(mesh, params.gender);
   outcome.measured = true;
-  if (actor_ != nullptr && options_.people.other != nullptr) compare_levels(outcome);
+  if (const auto levels = true_levels(person)) compare_levels(*levels, outcome);
+}
+
+float lowest_y(std::span<const Vec3f> vertices) {
+  return std::min_element(vertices.begin(), vertices.end(), [](Vec3f a, Vec3f b) { return a.y < b.y; })->y;
+}
+
+// Height of a section of the body measured last, above the floor, mm; NaN: it meets no triangle.
+float height_of(const body::Measurer& measurer, const body::BodyModel& model, Measurement id) {
+  const float low = lowest_y(measurer.posed().first(static_cast<std::size_t>(model.body_vertex_count())));
+  for (const body::Section& section : measurer.sections())
+    if (section.id == id && !section.hull.empty()) return section.hull.front().y - low;
+  return std::numeric_limits<float>::quiet_NaN();
+}
+
+std::optional<ActorLevels> TurnSession::true_levels(const HeldOutPerson& person) const {
+  if (person.subject.actor != nullptr) {
+    if (options_.people.other == nullptr) return std::nullopt;
+    return levels_of(*person.subject.actor, options_.people.other->rig().parts);
+  }
+  std::vector<Vec3f> rest(static_cast<std::size_t>(model_.vertex_count()));
+  morph_subject(model_, person.subject, rest);
+  body::Measurer measurer(model_);
+  measurer.measure_rest_mesh(rest, person.subject.woman ? 0.0F : 1.0F);
+  return ActorLevels{height_of(measurer, model_, Measurement::chest_girth),
+                     height_of(measurer, model_, Measurement::waist_girth),
+                     height_of(measurer, model_, Measurement::hip_girth)};
 }
 
 // Of the body measured last.
-void TurnSession::compare_levels(TurnOutcome& outcome) const {
-  const ActorLevels levels = levels_of(*actor_, options_.people.other->rig().parts);
+void TurnSession::compare_levels(const ActorLevels& levels, TurnOutcome& outcome) const {
   const auto posed = measurer_.posed();
-  float low = posed[0].y;
-  for (const Vec3f p : posed.first(static_cast<std::size_t>(model_.body_vertex_count()))) low = std::min(low, p.y);
+  const float low = lowest_y(posed.first(static_cast<std::size_t>(model_.body_vertex_count())));
   std::vector<std::uint8_t> trunk;
   for (const std::uint8_t arm : model_.data().triangle_is_arm) trunk.push_back(arm == 0 ? 1 : 0);
   const std::array<std::pair<Measurement, float>, 3> sections = {{{Measurement::chest_girth, levels.chest},
@@ -180,10 +206,7 @@ void TurnSession::compare_levels(TurnOutcome& outcome) const {
                                                                   {Measurement::hip_girth, levels.hip}}};
   for (std::size_t l = 0; l < sections.size(); ++l) {
     const auto [id, height] = sections[l];
-    outcome.level_error_mm[l] = std::numeric_limits<float>::quiet_NaN();
-    for (const auto& section : measurer_.sections())
-      if (section.id == id && !section.hull.empty())
-        outcome.level_error_mm[l] = section.hull.front().y - low - height;
+    outcome.level_error_mm[l] = height_of(measurer_, model_, id) - height;
     outcome.at_true_level_mm[l] =
         static_cast<float>(tape_round(posed, model_.body_triangles(), trunk, {0, low + height, 0}, {0, 1, 0})) -
         outcome.truth[measurement_index(id)];
@@ -218,11 +241,10 @@ TurnOutcome TurnSession::run(std::uint64_t index) {
   outcome.woman = person.subject.woman;
   outcome.truth = person.subject.truth;
   outcome.measured_values.fill(std::numeric_limits<float>::quiet_NaN());
-  actor_ = person.subject.actor;
   outcome.front_found = fit_front(scene, person, outcome);
   if (!outcome.front_found) return outcome;
   follow(scene, person, frames, outcome);
-  measure(outcome);
+  measure(person, outcome);
   return outcome;
 }
 

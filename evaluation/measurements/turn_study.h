@@ -33,8 +33,8 @@ struct TurnOutcome {
   float yaw_error_deg = 0;  // mean absolute, of the followed frames
   float surface_mm = 0;     // mean over the views
   std::vector<float> views_deg;
-  // Of the family `other`, chest, waist and hip: height of the section less the true one (NaN: no section), and the
-  // girth of the fitted body at the true height less the true girth.
+  // Chest, waist and hip: height of the section less the true one (NaN: no section), and the girth of the fitted body at
+  // the true height less the true girth.
   bool has_levels = false;
   std::array<float, 3> level_error_mm{}, at_true_level_mm{};
 };
