@@ -31,6 +31,9 @@ struct EvalTurnCommand {
 std::string people_csv(const std::vector<TurnOutcome>& outcomes) {
   std::string text = "person,woman,measured,turned_deg,true_turn_deg,yaw_error_deg,frames,frames_followed,surface_mm";
   for (const auto& m : kMeasurementTable) text += fmt::format(",{0},true_{0}", m.id);
+  for (const char* limb : kTurnLimbs) text += fmt::format(",{0},true_{0},answered_{0}", limb);
+  for (const char* level : {"chest", "waist", "hip"})
+    text += fmt::format(",{0}_height_error,{0}_at_true_height", level);
   text += "\n";
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     const TurnOutcome& o = outcomes[i];
@@ -38,6 +41,10 @@ std::string people_csv(const std::vector<TurnOutcome>& outcomes) {
                         o.turned_deg, o.true_turn_deg, o.yaw_error_deg, o.frames, o.frames_followed, o.surface_mm);
     for (std::size_t m = 0; m < kMeasurementCount; ++m)
       text += fmt::format(",{:.1f},{:.1f}", o.measured_values[m], o.truth[m]);
+    for (std::size_t l = 0; l < kTurnLimbCount; ++l)
+      text += fmt::format(",{:.1f},{:.1f},{:.1f}", o.fused_limbs[l], o.true_limbs[l], o.answered_limbs[l]);
+    for (std::size_t l = 0; l < o.level_error_mm.size(); ++l)
+      text += o.has_levels ? fmt::format(",{:.1f},{:.1f}", o.level_error_mm[l], o.at_true_level_mm[l]) : ",,";
     text += "\n";
   }
   return text;

@@ -13,10 +13,6 @@
 namespace im2fit::body {
 namespace {
 
-constexpr std::size_t kEach = 4;  // of the space's points: each fourth is looked at
-// Of a point's distance: the fit's own errors, which neighbours share, so that a point counts for little. 12 to 90 mm
-// were tried (docs/notebook/fit.md).
-constexpr double kSeenSdMm = 16;
 // Of a shift of the whole body: any. A rest mesh hangs from joints that no measurement sees.
 constexpr double kShiftSdMm = 100;
 constexpr float kBackMost = -0.25F;  // of a normal's part to the front: what is behind was not seen from there
@@ -29,27 +25,30 @@ constexpr std::array<std::size_t, 3> kSliders = {0, 1, kCrotchParameter};
 using Row = std::array<double, kShiftedCount>;
 using Square = std::array<Row, kShiftedCount>;
 
-// Trunk and thighs stay: how arms and shins hang at rest is the pose's rather than the shape's, and hair hides a
-// head.
-bool is_left_out(const SkinRecord& skin) {
+enum class Part : std::uint8_t { trunk, limb, left_out };
+
+// Trunk and thighs always count. How arms and shins hang at rest is the pose's rather than the shape's, unless many
+// pictures of a turn told them apart. Hair hides a head.
+Part part_of(const SkinRecord& skin) {
   switch (static_cast<Segment>(skin.segment[0])) {
     case Segment::head:
     case Segment::neck:
+    case Segment::left_hand:
+    case Segment::right_hand:
+    case Segment::left_foot:
+    case Segment::right_foot:
+      return Part::left_out;
     case Segment::left_shoulder:
     case Segment::right_shoulder:
     case Segment::left_upper_arm:
     case Segment::right_upper_arm:
     case Segment::left_lower_arm:
     case Segment::right_lower_arm:
-    case Segment::left_hand:
-    case Segment::right_hand:
     case Segment::left_lower_leg:
     case Segment::right_lower_leg:
-    case Segment::left_foot:
-    case Segment::right_foot:
-      return true;
+      return Part::limb;
     default:
-      return false;
+      return Part::trunk;
   }
 }
 
@@ -58,11 +57,14 @@ bool is_left_out(const SkinRecord& skin) {
 struct SeenPrior::Work {
   explicit Work(const BodyModel& m) : model(m), shape(m.shape_space()) {
     const std::vector<Quad> all = quads_of_shape_space(m);
-    for (std::size_t i = 0; i < all.size(); i += kEach) {
-      if (is_left_out(m.shape_space().skin[i])) continue;
-      points.push_back(i);
-      for (const std::int32_t corner : all[i]) quads.push_back(corner);
-      corners.push_back(all[i][0]);
+    for (const Part part : {Part::trunk, Part::limb}) {
+      for (std::size_t i = 0; i < all.size(); i += kSeenEach) {
+        if (part_of(m.shape_space().skin[i]) != part) continue;
+        points.push_back(i);
+        for (const std::int32_t corner : all[i]) quads.push_back(corner);
+        corners.push_back(all[i][0]);
+      }
+      if (part == Part::trunk) trunk_count = points.size();
     }
     slopes.resize(corners.size() * kWarpCount);
     warped.resize(quads.size());
@@ -73,7 +75,8 @@ struct SeenPrior::Work {
 
   const BodyModel& model;
   RestShape shape;
-  std::vector<std::size_t> points;    // of the space
+  std::vector<std::size_t> points;  // of the space: the trunk's, then those of limbs
+  std::size_t trunk_count = 0;
   std::vector<std::int32_t> quads;    // their four vertices each
   std::vector<std::int32_t> corners;  // one of each quad
   std::vector<Vec3f> slopes;
@@ -83,19 +86,21 @@ struct SeenPrior::Work {
   Params bare;
   std::array<Params, 3> moved;
 
-  void set_slopes(const Params& from);
+  void set_slopes(const Params& from, std::size_t count);
+  std::size_t count_for(const SeenBody& seen) const { return seen.around ? points.size() : trunk_count; }
   Row row_of(std::size_t point, Vec3f normal) const;
-  void add_equations(const SeenBody& seen, Square& sum, Row& right);
+  void add_equations(const SeenBody& seen, double sd_mm, Square& sum, Row& right);
 };
 
-// Of the unknowns that are sliders, by meshes that are a little off; a warp's are linear.
-void SeenPrior::Work::set_slopes(const Params& from) {
+// Of the first `count` points. Of the unknowns that are sliders, by meshes that are a little off; a warp's are
+// linear.
+void SeenPrior::Work::set_slopes(const Params& from, std::size_t count) {
   bare = from;
   bare.modifiers.resize(model.modifier_names().size());
   bare.warp = {};
   model.morph(bare, rest);
-  warp_slopes(model, rest, corners, slopes);
-  warp_vertices(model, from.warp, rest, quads, warped);
+  warp_slopes(model, rest, std::span(corners).first(count), std::span(slopes).first(count * kWarpCount));
+  warp_vertices(model, from.warp, rest, std::span(quads).first(4 * count), std::span(warped).first(4 * count));
   std::array<BodyModel::BodyMove, 3> all;
   const std::array<float, 3> at = {bare.height, bare.weight, 0};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -121,15 +126,17 @@ Row SeenPrior::Work::row_of(std::size_t point, Vec3f normal) const {
   return row;
 }
 
-void SeenPrior::Work::add_equations(const SeenBody& seen, Square& sum, Row& right) {
+void SeenPrior::Work::add_equations(const SeenBody& seen, double sd_mm, Square& sum, Row& right) {
   shape.set_points(std::span(seen.shape).first(model.shape_space().shape_count));
-  const double weight = 1 / (kSeenSdMm * kSeenSdMm);
-  for (std::size_t p = 0; p < points.size(); ++p) {
+  const double weight = 1 / (sd_mm * sd_mm);
+  for (std::size_t p = 0; p < count_for(seen); ++p) {
     const Vec3f normal = normalized(shape.normal(points[p]));
     if (!seen.back && normal.z < kBackMost) continue;
     Vec3f own{};
     for (const Vec3f corner : std::span(warped).subspan(4 * p, 4)) own = own + corner;
-    const double off = static_cast<double>(dot(normal, shape.middle(points[p]) - own * 0.25F));
+    float beyond = 0;
+    if (seen.around && points[p] / kSeenEach < kSeenPointMax) beyond = seen.beyond_mm[points[p] / kSeenEach];
+    const double off = static_cast<double>(dot(normal, shape.middle(points[p]) - own * 0.25F) + beyond);
     const Row row = row_of(p, normal);
     for (std::size_t i = 0; i < kShiftedCount; ++i) {
       right[i] += weight * row[i] * off;
@@ -143,13 +150,13 @@ SeenPrior::SeenPrior(SeenPrior&&) noexcept = default;
 SeenPrior& SeenPrior::operator=(SeenPrior&&) noexcept = default;
 SeenPrior::~SeenPrior() = default;
 
-void SeenPrior::see(const Params& from, const SeenBody& seen, FitPrior& prior) {
+void SeenPrior::see(const Params& from, const SeenBody& seen, double sd_mm, FitPrior& prior) {
   Work& w = *work_;
   if (!seen.valid || w.points.empty()) return;
-  w.set_slopes(from);
+  w.set_slopes(from, w.count_for(seen));
   Square sum{};
   Row right{};
-  w.add_equations(seen, sum, right);
+  w.add_equations(seen, sd_mm, sum, right);
   for (std::size_t i = 0; i < kShiftedCount; ++i)
     for (std::size_t j = 0; j < i; ++j) sum[j][i] = sum[i][j];
 

@@ -27,8 +27,8 @@ class SeenPrior {
   SeenPrior& operator=(SeenPrior&&) noexcept;
   ~SeenPrior();
   // `prior`: on input that of people round `from`, on output the posterior given `seen`. Unchanged if the body file
-  // has no shape space of its mesh.
-  void see(const Params& from, const SeenBody& seen, FitPrior& prior);
+  // has no shape space of its mesh. `sd_mm`: of a point's distance.
+  void see(const Params& from, const SeenBody& seen, double sd_mm, FitPrior& prior);
 
  private:
   struct Work;

@@ -47,15 +47,21 @@ struct ShapeFit {
   int surface_rows = 0, rim_rows = 0;
 };
 
+// Of the space's points, in its order, every so many is kept of a body measured all round.
+inline constexpr std::size_t kSeenEach = 4, kSeenPointMax = 600;
+
 // The part of a fit that is kept after its pictures are gone.
 struct SeenBody {
   bool valid = false;
-  bool back = false;  // from both sides
+  bool back = false;    // from both sides
+  bool around = false;  // from all sides: `beyond_mm` holds, and limbs are as true as the trunk
   std::array<float, kShapeMax> shape{};
   Pose pose;  // in the first view, axes of PersonAxes
+  // How far before the skin of `shape`, along its normals, the person's skin lies, mm.
+  std::array<float, kSeenPointMax> beyond_mm{};
 };
 inline SeenBody seen_body(const ShapeFit& fit, bool back) {
-  return {fit.valid, back, fit.shape, fit.pose};
+  return {fit.valid, back, false, fit.shape, fit.pose, {}};
 }
 
 // As indexes and queries take a fit: its coefficients, off_mm of both views, limbs of both. `out` has

@@ -513,6 +513,11 @@ void TurnFitter::Work::add_field() {
 void TurnFitter::Work::finish() {
   for (std::size_t i = 0; i < space_.point_count; ++i) result.points[i] = rest_.middle(i);
   result.bones = rest_.skeleton();
+  rest_.set_points(std::span(result.shape).first(space_.shape_count));
+  result.beyond_mm = {};
+  for (std::size_t i = 0, kept = 0; i < space_.point_count && kept < kSeenPointMax; i += kSeenEach, ++kept)
+    result.beyond_mm[kept] = dot(normalized(rest_.normal(i)), result.points[i] - rest_.middle(i));
+  set_shape();
   for (std::size_t v = 0; v < view_count_; ++v) {
     result.poses[v] = views_[v].pose;
     see(views_[v]);
@@ -559,6 +564,10 @@ void TurnFitter::Work::run(std::span<const TurnView> views) {
   }
   restore();
   result.shape = found;
+}
+
+SeenBody seen_body(const TurnFit& fit) {
+  return {fit.valid, true, true, fit.shape, fit.poses[0], fit.beyond_mm};
 }
 
 TurnFitter::TurnFitter(const ShapeSpace& space) : work_(std::make_unique<Work>(space)) {}

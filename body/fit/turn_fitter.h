@@ -38,7 +38,10 @@ struct TurnFit {
   Skeleton bones;                                // at rest
   std::array<Pose, kTurnViewMax> poses;          // of the views
   std::array<float, kTurnViewMax> surface_mm{};  // mean absolute distance of the surface, of each view
+  std::array<float, kSeenPointMax> beyond_mm{};  // `points` before the skin of `shape`: SeenBody
 };
+// As the product keeps it. Not valid where the fit is not.
+SeenBody seen_body(const TurnFit& fit);
 
 // Not shareable between threads.
 class TurnFitter {

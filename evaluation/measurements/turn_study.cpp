@@ -8,19 +8,26 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
 
+#include "body/fit/measurement_fit.h"
+#include "body/fit/nearest_start.h"
 #include "body/fit/point_mesh.h"
 #include "body/fit/shape_fitter.h"
 #include "body/fit/turn_fitter.h"
 #include "body/measure.h"
 #include "body/model_data.h"
+#include "body/start_bodies.h"
+#include "body/tape.h"
 #include "core/rng.h"
 #include "evaluation/measurements/error_statistics.h"
 #include "evaluation/population/other_tape.h"
 #include "hal/source.h"
 #include "perception/observe/observe.h"
+#include "person/builtin_tape.h"
 #include "train/camera/virtual_camera.h"
 
 namespace im2fit::lab {
@@ -45,15 +52,20 @@ class TurnSession {
         fitter_(model.shape_space()),
         turn_(model.shape_space()),
         mesh_(model),
-        measurer_(model) {}
+        measurer_(model),
+        one_body_(model),
+        tape_(model) {}
 
   TurnOutcome run(std::uint64_t index);
 
  private:
   bool fit_front(VirtualScene& scene, const HeldOutPerson& person, TurnOutcome& outcome);
   void follow(VirtualScene& scene, const HeldOutPerson& person, int frames, TurnOutcome& outcome);
-  void measure(TurnOutcome& outcome);
-  void compare_levels(TurnOutcome& outcome) const;
+  void measure(const HeldOutPerson& person, TurnOutcome& outcome);
+  void compare_limbs(const HeldOutPerson& person, const body::TurnFit& fit, std::span<const Vec3f> mesh,
+                     TurnOutcome& outcome);
+  std::optional<ActorLevels> true_levels(const HeldOutPerson& person) const;
+  void compare_levels(const ActorLevels& levels, TurnOutcome& outcome) const;
   Detection take(VirtualScene& scene, const HeldOutPerson& person, std::uint64_t frame);
   void keep(ImageView<const std::uint16_t> depth, float unit_mm, MaskView mask, const body::Pose& pose);
 
@@ -64,6 +76,8 @@ class TurnSession {
   body::TurnFitter turn_;
   body::PointMesh mesh_;
   body::Measurer measurer_;
+  body::MeasurementFitter one_body_;
+  body::TapeMeasurer tape_;
 
   Intrinsics upright_;
   std::unique_ptr<PersonDetector> detector_;
@@ -73,7 +87,6 @@ class TurnSession {
   std::vector<Keyframe> kept_;
   std::vector<body::TurnView> views_;
   body::PersonAxes axes_;
-  std::shared_ptr<const Actor> actor_;
 };
 
 Detection TurnSession::take(VirtualScene& scene, const HeldOutPerson& person, std::uint64_t frame) {
@@ -152,7 +165,7 @@ void TurnSession::follow(VirtualScene& scene, const HeldOutPerson& person, int f
   outcome.yaw_error_deg = static_cast<float>(error / std::max(1, outcome.frames_followed));
 }
 
-void TurnSession::measure(TurnOutcome& outcome) {
+void TurnSession::measure(const HeldOutPerson& person, TurnOutcome& outcome) {
   const body::TurnFit& fit = turn_.run(views_);
   if (!fit.valid) return;
   for (std::size_t v = 0; v < views_.size(); ++v)
@@ -164,15 +177,78 @@ void TurnSession::measure(TurnOutcome& outcome) {
   mesh_.run(fit.points, fit.bones, mesh);
   outcome.measured_values = measurer_.measure_rest_mesh(mesh, params.gender);
   outcome.measured = true;
-  if (actor_ != nullptr && options_.people.other != nullptr) compare_levels(outcome);
+  compare_limbs(person, fit, mesh, outcome);
+  if (const auto levels = true_levels(person)) compare_levels(*levels, outcome);
+}
+
+std::array<float, kTurnLimbCount> limbs_among(std::span<const float> tape_values) {
+  std::array<float, kTurnLimbCount> out{};
+  for (std::size_t i = 0; i < kTurnLimbCount; ++i)
+    out[i] = tape_values[static_cast<std::size_t>(definition_index(builtin_tape(), kTurnLimbs[i]))];
+  return out;
+}
+
+// The largest standard deviations that the product's intervals have of what a turn measures.
+constexpr float kOneBodySdMm = 15;
+
+void TurnSession::compare_limbs(const HeldOutPerson& person, const body::TurnFit& fit, std::span<const Vec3f> mesh,
+                                TurnOutcome& outcome) {
+  const body::Tape& tape = builtin_tape();
+  std::vector<float> values(tape.definitions.size());
+  const float gender = outcome.woman ? 0.0F : 1.0F;
+  if (person.subject.actor != nullptr && options_.people.other != nullptr) {
+    const LimbGirths truth = limb_girths_of(*person.subject.actor, options_.people.other->rig().parts);
+    outcome.true_limbs = {static_cast<float>(truth.mid_thigh), static_cast<float>(truth.calf),
+                          static_cast<float>(truth.upper_arm)};
+  } else {
+    std::vector<Vec3f> rest(static_cast<std::size_t>(model_.vertex_count()));
+    morph_subject(model_, person.subject, rest);
+    tape_.measure_rest_mesh(tape, rest, gender, values);
+    outcome.true_limbs = limbs_among(values);
+  }
+  tape_.measure_rest_mesh(tape, mesh, gender, values);
+  outcome.fused_limbs = limbs_among(values);
+
+  body::MeasurementGoals goals;
+  for (std::size_t m = 0; m < kMeasurementCount; ++m) goals[m] = {outcome.measured_values[m], kOneBodySdMm};
+  const body::StartBodies& starts = model_.start_bodies();
+  body::Params params = starts.params(body::nearest_start(starts, outcome.woman, outcome.measured_values));
+  const body::SeenBody seen = body::seen_body(fit);
+  one_body_.run(params, goals, &seen);
+  tape_.measure(tape, params, values);
+  outcome.answered_limbs = limbs_among(values);
+}
+
+float lowest_y(std::span<const Vec3f> vertices) {
+  return std::min_element(vertices.begin(), vertices.end(), [](Vec3f a, Vec3f b) { return a.y < b.y; })->y;
+}
+
+// Height of a section of the body measured last, above the floor, mm; NaN: it meets no triangle.
+float height_of(const body::Measurer& measurer, const body::BodyModel& model, Measurement id) {
+  const float low = lowest_y(measurer.posed().first(static_cast<std::size_t>(model.body_vertex_count())));
+  for (const body::Section& section : measurer.sections())
+    if (section.id == id && !section.hull.empty()) return section.hull.front().y - low;
+  return std::numeric_limits<float>::quiet_NaN();
+}
+
+std::optional<ActorLevels> TurnSession::true_levels(const HeldOutPerson& person) const {
+  if (person.subject.actor != nullptr) {
+    if (options_.people.other == nullptr) return std::nullopt;
+    return levels_of(*person.subject.actor, options_.people.other->rig().parts);
+  }
+  std::vector<Vec3f> rest(static_cast<std::size_t>(model_.vertex_count()));
+  morph_subject(model_, person.subject, rest);
+  body::Measurer measurer(model_);
+  measurer.measure_rest_mesh(rest, person.subject.woman ? 0.0F : 1.0F);
+  return ActorLevels{height_of(measurer, model_, Measurement::chest_girth),
+                     height_of(measurer, model_, Measurement::waist_girth),
+                     height_of(measurer, model_, Measurement::hip_girth)};
 }
 
 // Of the body measured last.
-void TurnSession::compare_levels(TurnOutcome& outcome) const {
-  const ActorLevels levels = levels_of(*actor_, options_.people.other->rig().parts);
+void TurnSession::compare_levels(const ActorLevels& levels, TurnOutcome& outcome) const {
   const auto posed = measurer_.posed();
-  float low = posed[0].y;
-  for (const Vec3f p : posed.first(static_cast<std::size_t>(model_.body_vertex_count()))) low = std::min(low, p.y);
+  const float low = lowest_y(posed.first(static_cast<std::size_t>(model_.body_vertex_count())));
   std::vector<std::uint8_t> trunk;
   for (const std::uint8_t arm : model_.data().triangle_is_arm) trunk.push_back(arm == 0 ? 1 : 0);
   const std::array<std::pair<Measurement, float>, 3> sections = {{{Measurement::chest_girth, levels.chest},
@@ -180,10 +256,7 @@ void TurnSession::compare_levels(TurnOutcome& outcome) const {
                                                                   {Measurement::hip_girth, levels.hip}}};
   for (std::size_t l = 0; l < sections.size(); ++l) {
     const auto [id, height] = sections[l];
-    outcome.level_error_mm[l] = std::numeric_limits<float>::quiet_NaN();
-    for (const auto& section : measurer_.sections())
-      if (section.id == id && !section.hull.empty())
-        outcome.level_error_mm[l] = section.hull.front().y - low - height;
+    outcome.level_error_mm[l] = height_of(measurer_, model_, id) - height;
     outcome.at_true_level_mm[l] =
         static_cast<float>(tape_round(posed, model_.body_triangles(), trunk, {0, low + height, 0}, {0, 1, 0})) -
         outcome.truth[measurement_index(id)];
@@ -218,11 +291,10 @@ TurnOutcome TurnSession::run(std::uint64_t index) {
   outcome.woman = person.subject.woman;
   outcome.truth = person.subject.truth;
   outcome.measured_values.fill(std::numeric_limits<float>::quiet_NaN());
-  actor_ = person.subject.actor;
   outcome.front_found = fit_front(scene, person, outcome);
   if (!outcome.front_found) return outcome;
   follow(scene, person, frames, outcome);
-  measure(outcome);
+  measure(person, outcome);
   return outcome;
 }
 
@@ -260,11 +332,11 @@ std::string text_of(const std::vector<TurnOutcome>& outcomes) {
                       frames - absent - followed);
   text += fmt::format("yaw error {:.1f} deg, turn error {:.1f} deg, surface {:.1f} mm\n", yaw / n, closed / n,
                       surface / n);
-  text += "measurement          people    bias     MAE     p95\n";
+  text += "measurement                 people    bias     MAE     p95\n";
   const auto add_line = [&](std::string_view what, const std::vector<double>& errors) {
     const ErrorStatistics s = error_statistics(errors);
     if (s.count > 0)
-      text += fmt::format("{:<20} {:>6} {:>7.1f} {:>7.1f} {:>7.1f}\n", what, s.count, s.bias, s.mae, s.p95);
+      text += fmt::format("{:<27} {:>6} {:>7.1f} {:>7.1f} {:>7.1f}\n", what, s.count, s.bias, s.mae, s.p95);
   };
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {
     std::vector<double> errors;
@@ -272,6 +344,16 @@ std::string text_of(const std::vector<TurnOutcome>& outcomes) {
       if (o.measured) errors.push_back(static_cast<double>(o.measured_values[m] - o.truth[m]));
     add_line(kMeasurementTable[m].id, errors);
   }
+  const auto add_limbs = [&](const char* of, const auto& values_of) {
+    for (std::size_t l = 0; l < kTurnLimbCount; ++l) {
+      std::vector<double> errors;
+      for (const TurnOutcome& o : outcomes)
+        if (o.measured) errors.push_back(static_cast<double>(values_of(o)[l] - o.true_limbs[l]));
+      add_line(fmt::format("{}{}", kTurnLimbs[l], of), errors);
+    }
+  };
+  add_limbs("", [](const TurnOutcome& o) { return o.fused_limbs; });
+  add_limbs(", one body", [](const TurnOutcome& o) { return o.answered_limbs; });
   constexpr std::array<const char*, 3> kLevels = {"chest", "waist", "hip"};
   const auto add_levels = [&](const char* what, const auto& values_of) {
     for (std::size_t l = 0; l < kLevels.size(); ++l) {

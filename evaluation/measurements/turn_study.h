@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -23,6 +24,9 @@ struct TurnStudyOptions {
   int view_count = 8;  // pictures fitted, the front's among them; 1 to body::kTurnViewMax
 };
 
+inline constexpr std::array<const char*, 3> kTurnLimbs = {"mid_thigh_girth", "calf_girth", "upper_arm_girth"};
+inline constexpr std::size_t kTurnLimbCount = kTurnLimbs.size();
+
 struct TurnOutcome {
   bool woman = false;
   bool front_found = false;  // the front could be fitted to
@@ -33,8 +37,11 @@ struct TurnOutcome {
   float yaw_error_deg = 0;  // mean absolute, of the followed frames
   float surface_mm = 0;     // mean over the views
   std::vector<float> views_deg;
-  // Of the family `other`, chest, waist and hip: height of the section less the true one (NaN: no section), and the
-  // girth of the fitted body at the true height less the true girth.
+  // Chest, waist and hip: height of the section less the true one (NaN: no section), and the girth of the fitted body at
+  // the true height less the true girth.
+  // Mid-thigh, calf and upper arm (data/tape): the truth, of the fused surface, and of the one body that the product
+  // would answer with (docs/one-body.md), its values being those measured here.
+  std::array<float, kTurnLimbCount> true_limbs{}, fused_limbs{}, answered_limbs{};
   bool has_levels = false;
   std::array<float, 3> level_error_mm{}, at_true_level_mm{};
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <initializer_list>
 #include <limits>
 #include <utility>
 
@@ -20,6 +21,10 @@ constexpr float kWaistShare = 0.145F;   // of the way from the navel to the ches
 constexpr float kShoulderShare = 0.2F;  // of the upper arm, below the shoulder joint
 constexpr float kNeckReachMm = 160;     // sections that reach shoulders or chin within it are longer than the neck's
 constexpr int kNeckSteps = 30;
+// The upper arm is searched in so many steps between these shares of the way from shoulder to elbow, the calf between
+// these of the way from knee to ankle; the thigh is taken in the middle. As in data/tape.
+constexpr int kLimbSteps = 12;
+constexpr float kUpperArmFrom = 0.4F, kUpperArmTo = 0.7F, kCalfFrom = 0.1F, kCalfTo = 0.6F;
 constexpr float kNeckFrom = 0.1F, kNeckTo = 0.9F;  // of the way from its root to the skull
 
 struct Flat {
@@ -106,6 +111,23 @@ class Standing {
       if (mm > 0) least = std::min(least, mm);
     }
     return least;
+  }
+
+  // Round one limb, square to the line between the heads of two bones: the largest between two shares of the way. Of
+  // the triangles whose corners are moved most by one of `parts`.
+  double limb_round(std::initializer_list<Segment> parts, Segment from, Segment to, float low, float high) const {
+    const auto belongs = [&](std::int32_t v) {
+      return std::find(parts.begin(), parts.end(), parts_.segment[static_cast<std::size_t>(v)]) != parts.end();
+    };
+    std::vector<std::uint8_t> used;
+    for (const auto& t : parts_.triangles) used.push_back(belongs(t[0]) && belongs(t[1]) && belongs(t[2]) ? 1 : 0);
+    const Vec3f root = head(from), axis = head(to) - root;
+    double most = 0;
+    for (int i = 0; i <= kLimbSteps; ++i) {
+      const float share = low + (high - low) * static_cast<float>(i) / kLimbSteps;
+      most = std::max(most, tape_round(posed_, parts_.triangles, used, root + axis * share, axis));
+    }
+    return most > 0 ? most : std::numeric_limits<double>::quiet_NaN();
   }
 
   double shoulder_breadth() const {
@@ -204,6 +226,28 @@ ActorLevels levels_of(const Actor& actor, const DimensionSurface& parts) {
   const auto lowest =
       std::min_element(stood.posed.begin(), stood.posed.end(), [](Vec3f a, Vec3f b) { return a.y < b.y; });
   return {standing.chest_y() - lowest->y, standing.waist_y() - lowest->y, standing.hip_y() - lowest->y};
+}
+
+LimbGirths limb_girths_of(const Actor& actor, const DimensionSurface& parts) {
+  using S = Segment;
+  const Stood stood = stand(actor, parts);
+  const Standing standing(parts, stood.posed, stood.bones);
+  const auto thigh = [&](S upper, S lower) {
+    return standing.limb_round({S::pelvis, upper, lower}, upper, lower, 0.5F, 0.5F);
+  };
+  const auto calf = [&](S upper, S lower, S foot) {
+    return standing.limb_round({upper, lower, foot}, lower, foot, kCalfFrom, kCalfTo);
+  };
+  const auto arm = [&](S upper, S lower) {
+    return standing.limb_round({upper, lower}, upper, lower, kUpperArmFrom, kUpperArmTo);
+  };
+  return {
+      (thigh(S::left_upper_leg, S::left_lower_leg) + thigh(S::right_upper_leg, S::right_lower_leg)) / 2,
+      (calf(S::left_upper_leg, S::left_lower_leg, S::left_foot) +
+       calf(S::right_upper_leg, S::right_lower_leg, S::right_foot)) /
+          2,
+      (arm(S::left_upper_arm, S::left_lower_arm) + arm(S::right_upper_arm, S::right_lower_arm)) / 2,
+  };
 }
 
 MeasurementValues measure_actor(const Actor& actor, const DimensionSurface& parts) {

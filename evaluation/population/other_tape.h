@@ -34,6 +34,13 @@ struct ActorLevels {
 };
 ActorLevels levels_of(const Actor& actor, const DimensionSurface& parts);
 
+// Round thigh, calf and upper arm, mm, mean of left and right, in that pose: by the words of `mid_thigh_girth`,
+// `calf_girth` and `upper_arm_girth` in data/tape, between this rig's joints. NaN: no section.
+struct LimbGirths {
+  double mid_thigh = 0, calf = 0, upper_arm = 0;
+};
+LimbGirths limb_girths_of(const Actor& actor, const DimensionSurface& parts);
+
 // Measured standing in that pose. What has no definition on these landmarks is NaN: the inside leg, because a web
 // joins the scans' thighs, down to 77 mm below the survey's crotch on the mean man. Weight: the volume at rest by the
 // density law of body/measure.h.

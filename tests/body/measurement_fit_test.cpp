@@ -5,16 +5,21 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "allocations.h"
+#include "body/fit/posed_shape.h"
 #include "body/fit/shape_points.h"
 #include "body/look.h"
 #include "body/measure.h"
 #include "body/model_data.h"
+#include "body/tape.h"
 #include "body_pack.h"
+#include "person/builtin_tape.h"
 #include "train/population/drawn_people.h"
 
 namespace im2fit::body {
@@ -266,6 +271,88 @@ TEST_F(MeasurementFitTest, FollowsTheBodySeenAndMeetsTheSame) {
     EXPECT_EQ(again.warp.values, blind.warp.values) << "what is not valid says nothing";
   }
   EXPECT_LT(with, 0.8 * without);
+}
+
+// The same of a person measured all round: the skin's distance from the space is known, too.
+SeenBody seen_all_round(const BodyModel& model, const Params& params) {
+  SeenBody seen = seen_perfectly(model, params);
+  seen.back = seen.around = true;
+  const ShapeSpace& space = model.shape_space();
+  std::vector<Vec3f> mesh(static_cast<std::size_t>(model.vertex_count()));
+  model.morph(params, mesh);
+  const std::vector<Quad> quads = quads_of_shape_space(model);
+  RestShape shape(space);
+  shape.set_points(std::span(seen.shape).first(space.shape_count));
+  for (std::size_t p = 0; p < quads.size(); p += kSeenEach) {
+    Vec3f middle{};
+    for (const std::int32_t v : quads[p]) middle = middle + mesh[static_cast<std::size_t>(v)] * 0.25F;
+    seen.beyond_mm[p / kSeenEach] = dot(normalized(shape.normal(p)), middle - shape.middle(p));
+  }
+  return seen;
+}
+
+// How far every fourth point of trunk, thighs and shins lies from another's along the normals of `seen`, mm, root
+// mean square, with both in the same place.
+double skins_apart_mm(const BodyModel& model, const SeenBody& seen, const Params& a, const Params& b) {
+  std::vector<Vec3f> of_a(static_cast<std::size_t>(model.vertex_count())), of_b(of_a.size());
+  model.morph(a, of_a);
+  model.morph(b, of_b);
+  RestShape shape(model.shape_space());
+  shape.set_points(std::span(seen.shape).first(model.shape_space().shape_count));
+  const std::vector<Quad> quads = quads_of_shape_space(model);
+  std::vector<std::pair<Vec3f, Vec3f>> moves;  // and normals
+  Vec3f mean{};
+  for (std::size_t p = 0; p < quads.size(); p += kSeenEach) {
+    const auto s = static_cast<Segment>(model.shape_space().skin[p].segment[0]);
+    if (s != Segment::pelvis && s != Segment::abdomen && s != Segment::chest && s != Segment::left_upper_leg &&
+        s != Segment::right_upper_leg && s != Segment::left_lower_leg && s != Segment::right_lower_leg)
+      continue;
+    Vec3f move{};
+    for (const std::int32_t v : quads[p])
+      move = move + (of_a[static_cast<std::size_t>(v)] - of_b[static_cast<std::size_t>(v)]) * 0.25F;
+    moves.emplace_back(move, normalized(shape.normal(p)));
+    mean = mean + move;
+  }
+  mean = mean * (1 / static_cast<float>(moves.size()));
+  double sum = 0;
+  for (const auto& [move, normal] : moves) {
+    const auto off = static_cast<double>(dot(normal, move - mean));
+    sum += off * off;
+  }
+  return std::sqrt(sum / static_cast<double>(moves.size()));
+}
+
+TEST_F(MeasurementFitTest, FollowsTheSkinMeasuredAllRound) {
+  const BodyModel& model = *real_body();
+  if (model.shape_space().point_count == 0) GTEST_SKIP() << "the body file has no shape space: run im2fit-lab fetch";
+  const Tape& tape = builtin_tape();
+  const auto calf = static_cast<std::size_t>(definition_index(tape, "calf_girth"));
+  std::vector<float> truth(tape.definitions.size()), with(truth.size()), without(truth.size());
+  TapeMeasurer measurer(model);
+  MeasurementFitter fitter(model);
+  double apart_with = 0, apart_without = 0, calf_with = 0, calf_without = 0;
+  for (std::uint64_t number = 0; number < 16; ++number) {
+    const Drawn person = draw_person(model, Family::held_out, 25, number);
+    const MeasurementValues reported = measure_person(model, person.params);
+    const SeenBody seen = seen_all_round(model, person.params);
+    Params blind = nearest(person.woman, reported), follows = blind;
+    fitter.run(blind, goals_of(reported));
+    const std::size_t before = allocations_so_far();
+    const MeasurementFit fit = fitter.run(follows, goals_of(reported), &seen);
+    EXPECT_EQ(allocations_so_far(), before);
+    EXPECT_LE(girth_residual_mm(fit.residual), 1) << "person " << number;
+    const double apart = skins_apart_mm(model, seen, follows, person.params);
+    EXPECT_LT(apart, 10) << "person " << number;
+    apart_with += apart;
+    apart_without += skins_apart_mm(model, seen, blind, person.params);
+    measurer.measure(tape, person.params, truth);
+    measurer.measure(tape, follows, with);
+    measurer.measure(tape, blind, without);
+    calf_with += static_cast<double>(std::fabs(with[calf] - truth[calf]));
+    calf_without += static_cast<double>(std::fabs(without[calf] - truth[calf]));
+  }
+  EXPECT_LT(apart_with, 0.65 * apart_without);
+  EXPECT_LT(calf_with, 0.65 * calf_without);
 }
 
 // How much the line down the front and the line down the back of a trunk bend: the largest second difference of
