@@ -48,10 +48,6 @@ struct Make {
 
 // \1: the file, quoted. \2: a folder beside it, quoted.
 constexpr Make kFiles[] = {
-    {".mkv",
-     "is a Matroska file, as k4arecorder and OrbbecSDK write it; its depth becomes a folder by: mkdir \2 && ffmpeg "
-     "-dump_attachment:t:0 \2/calibration.json -i \1 -map 0:m:title:DEPTH -start_number 0 \2/%06d.png; then give "
-     "--camera \2/calibration.json"},
     {".bag",
      "is a rosbag, as RealSense's programs write it; its depth becomes raw frames by: rs-convert -d -i \1 -r \2; "
      "then "

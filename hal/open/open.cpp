@@ -2,6 +2,7 @@
 #include "hal/open/open.h"
 
 #include <filesystem>
+#include <string_view>
 
 #include "hal/folder/camera_yaml.h"
 #include "hal/folder/depth_folder.h"
@@ -9,6 +10,7 @@
 #include "hal/folder/scanner_3d_app.h"
 #include "hal/folder/stray_scanner.h"
 #include "hal/folder/tum_folder.h"
+#include "hal/recording/kinect_recording.h"
 #if IM2FIT_HAVE_OPENNI2
 #include "hal/openni2/finder.h"
 #include "hal/openni2/oni_source.h"
@@ -39,10 +41,14 @@ std::optional<std::string> after_scheme(const std::string& uri, const std::strin
   return std::nullopt;
 }
 
-bool is_oni(const std::string& uri) {
-  if (uri.size() <= 4) return false;
-  const std::string extension = uri.substr(uri.size() - 4);
-  return extension == ".oni" || extension == ".ONI";
+// `ending` in lower case.
+bool has_ending(const std::string& uri, std::string_view ending) {
+  if (uri.size() <= ending.size()) return false;
+  for (std::size_t i = 0; i < ending.size(); ++i) {
+    const char c = uri[uri.size() - ending.size() + i];
+    if ((c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c) != ending[i]) return false;
+  }
+  return true;
 }
 
 Result<std::unique_ptr<Source>> open_folder(const std::string& path, const OpenOptions& options) {
@@ -250,23 +256,22 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
   const auto status = std::filesystem::status(uri, code);
   if (std::filesystem::is_directory(status)) return open_folder(uri, options);
   if (!std::filesystem::exists(status))
-    return Error{
-        ErrorCode::not_found,
-        uri +
-            " does not exist; expected openni2[:URI], usb[:SERIAL], v4l2[:NODE], synthetic[:SEED], a .oni file, "
-            "the folder of a recording or a scan (.ply, .obj, .glb, .pcd)"};
-  if (is_oni(uri)) return open_recording(uri, options);
+    return Error{ErrorCode::not_found, uri +
+                                           " does not exist; expected openni2[:URI], usb[:SERIAL], v4l2[:NODE], "
+                                           "synthetic[:SEED], a .oni or .mkv "
+                                           "file, the folder of a recording or a scan (.ply, .obj, .glb, .pcd)"};
+  if (has_ending(uri, ".oni")) return open_recording(uri, options);
+  if (has_ending(uri, ".mkv")) return open_kinect_recording(uri, {options.rotate_deg, options.camera_yaml_path});
 #if IM2FIT_HAVE_SCANS
   if (is_scan(uri) && (options.rotate_deg.value_or(0) != 0 || !options.camera_yaml_path.empty()))
     return Error{ErrorCode::invalid_argument, uri + ": a scan has no camera; leave out --rotate and --camera"};
   if (is_scan(uri)) return open_scan(uri, {options.unit_mm, options.scan_up});
 #endif
   if (auto other = other_recording(uri)) return *other;
-  return Error{
-      ErrorCode::unsupported,
-      uri +
-          " is neither a folder nor a .oni file; expected a depth folder, an OpenNI2 recording or a scan (.ply, "
-          ".obj, .glb, .pcd)"};
+  return Error{ErrorCode::unsupported,
+               uri +
+                   " is neither a folder nor a recording (.oni, .mkv); expected one of these or a scan (.ply, "
+                   ".obj, .glb, .pcd)"};
 }
 
 ReconnectingSource::Opener camera_opener(const std::string& uri, const OpenOptions& options) {

@@ -216,7 +216,7 @@ TEST(Words, WhatIsWrongWithThemIsReportedBeforeModelsAreRead) {
   const std::string wall = folder.path("wall");
   const std::pair<Words, const char*> table[] = {
       {{folder.path("nothing")}, "nothing does not exist"},
-      {{folder.path("model")}, "neither a folder nor a .oni file"},
+      {{folder.path("model")}, "neither a folder nor a recording"},
       {{wall, "--camera", folder.path("no.yaml")}, "no.yaml"},
       {{wall, "--truth", folder.path("no.json")}, "no.json"},
       {{wall, "--size-chart", folder.path("no.csv")}, "no.csv"},
