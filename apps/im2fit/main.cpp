@@ -18,7 +18,8 @@ int main(int argc, char** argv) {
   cli::App app{"Measures a person with one depth camera: body measurements, a clothing size and a 3D body.",
                "im2fit"};
   app.footer(
-      "SOURCE is openni2[:URI], usb[:SERIAL], v4l2:/dev/videoN, synthetic[:SEED], a recording (.oni, .mkv) or a "
+      "SOURCE is openni2[:URI], usb[:SERIAL], v4l2:/dev/videoN, synthetic[:SEED], a recording (.oni, .mkv, .bag) or "
+      "a "
       "depth folder.\n"
       "Exit codes: 0 done, 1 failed, 2 wrong use, 3 the stream gave no measurement.");
   Command chosen;

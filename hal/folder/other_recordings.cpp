@@ -48,10 +48,6 @@ struct Make {
 
 // \1: the file, quoted. \2: a folder beside it, quoted.
 constexpr Make kFiles[] = {
-    {".bag",
-     "is a rosbag, as RealSense's programs write it; its depth becomes raw frames by: rs-convert -d -i \1 -r \2; "
-     "then "
-     "im2fit-lab import-raw makes a folder of them, and rs-enumerate-devices -c gives the calibration"},
     {".db3",
      "is a rosbag of ROS 2; its depth becomes pictures by: ros2 bag play \1 beside ros2 run image_view "
      "image_saver --ros-args -r image:=/camera/depth/image_raw -p filename_format:=%06i.png"},

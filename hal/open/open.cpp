@@ -10,6 +10,7 @@
 #include "hal/folder/scanner_3d_app.h"
 #include "hal/folder/stray_scanner.h"
 #include "hal/folder/tum_folder.h"
+#include "hal/recording/bag_recording.h"
 #include "hal/recording/kinect_recording.h"
 #if IM2FIT_HAVE_OPENNI2
 #include "hal/openni2/finder.h"
@@ -258,9 +259,10 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
   if (!std::filesystem::exists(status))
     return Error{ErrorCode::not_found, uri +
                                            " does not exist; expected openni2[:URI], usb[:SERIAL], v4l2[:NODE], "
-                                           "synthetic[:SEED], a .oni or .mkv "
+                                           "synthetic[:SEED], a .oni, .mkv or .bag "
                                            "file, the folder of a recording or a scan (.ply, .obj, .glb, .pcd)"};
   if (has_ending(uri, ".oni")) return open_recording(uri, options);
+  if (has_ending(uri, ".bag")) return open_bag_recording(uri, {options.rotate_deg, options.camera_yaml_path});
   if (has_ending(uri, ".mkv")) return open_kinect_recording(uri, {options.rotate_deg, options.camera_yaml_path});
 #if IM2FIT_HAVE_SCANS
   if (is_scan(uri) && (options.rotate_deg.value_or(0) != 0 || !options.camera_yaml_path.empty()))
@@ -270,7 +272,7 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
   if (auto other = other_recording(uri)) return *other;
   return Error{ErrorCode::unsupported,
                uri +
-                   " is neither a folder nor a recording (.oni, .mkv); expected one of these or a scan (.ply, "
+                   " is neither a folder nor a recording (.oni, .mkv, .bag); expected one of these or a scan (.ply, "
                    ".obj, .glb, .pcd)"};
 }
 

@@ -18,7 +18,6 @@ namespace {
 constexpr std::string_view kFourCc = "b16g";
 constexpr std::uint64_t kVideo = 1;
 constexpr std::int64_t kFramesMax = 1'000'000;
-constexpr std::int64_t kTimeMaxNs = 4'000'000'000'000'000'000;  // the year 2096, by any clock
 
 const MatroskaTag* tag_named(const MatroskaHead& head, std::string_view name) {
   for (const MatroskaTag& tag : head.tags)
@@ -117,7 +116,7 @@ std::int64_t start_offset_ns(const MatroskaHead& head) {
     const auto [end, code] = std::from_chars(tag->value.data(), tag->value.data() + tag->value.size(), value);
     if (code != std::errc() || end != tag->value.data() + tag->value.size()) value = -1;
   }
-  return value >= 0 && value < kTimeMaxNs / 2 ? value : -1;
+  return value >= 0 && value < kRecordedTimeMaxNs / 2 ? value : -1;
 }
 
 class KinectReader final : public FrameReader {
@@ -162,7 +161,8 @@ class KinectReader final : public FrameReader {
     info.sequence = sequence_++;
     const std::string where = file_.path() + ": frame " + std::to_string(info.sequence);
     const auto time = (*block)->time;
-    if (time < 0 || static_cast<std::uint64_t>(time) > static_cast<std::uint64_t>(kTimeMaxNs / 2) / scale_ns_ ||
+    if (time < 0 ||
+        static_cast<std::uint64_t>(time) > static_cast<std::uint64_t>(kRecordedTimeMaxNs / 2) / scale_ns_ ||
         time * static_cast<std::int64_t>(scale_ns_) <= last_ns_)
       return Error{ErrorCode::corrupt, where + " has a time that is not after the frame before; record it again"};
     info.host_ns = last_ns_ = time * static_cast<std::int64_t>(scale_ns_);

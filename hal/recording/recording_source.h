@@ -3,6 +3,7 @@
 // them is done here.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,6 +12,8 @@
 #include "hal/source.h"
 
 namespace im2fit::hal {
+
+inline constexpr std::int64_t kRecordedTimeMaxNs = 4'000'000'000'000'000'000;  // the year 2096, by any clock
 
 class FrameReader {
  public:

@@ -266,8 +266,7 @@ TEST_F(ScannerApp, WhatIsWrongIsNamedInOneLine) {
 
 // Item by item: what was found, and one command.
 TEST_F(Recorders, OtherRecordingsAreNamedWithTheCommandThatConvertsThem) {
-  const std::pair<const char*, const char*> kFiles[] = {{"a.bag", "rs-convert -d -i"},
-                                                        {"a.r3d", "EXR"},
+  const std::pair<const char*, const char*> kFiles[] = {{"a.r3d", "EXR"},
                                                         {"A.MP4", "no millimetres"},
                                                         {"a.zip", "unzip"},
                                                         {"it's.stl", "of a kind that is not read"},
