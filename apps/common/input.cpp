@@ -64,7 +64,7 @@ Result<std::unique_ptr<hal::Source>> open_patiently(const InputOptions& options,
 
 void add_input_options(cli::App& sub, InputOptions& options) {
   sub.add_option("SOURCE", options.source,
-                 "openni2[:URI] | usb[:SERIAL] | v4l2:/dev/videoN | synthetic[:SEED] | PATH.oni, .mkv, .bag | "
+                 "openni2[:URI] | usb[:SERIAL] | v4l2:/dev/videoN | synthetic[:SEED] | PATH.oni, .mkv, .bag, .zip | "
                  "DEPTH_FOLDER | STRAY_SCANNER_FOLDER | SCANNER_APP_FOLDER | TUM_FOLDER | SCAN.ply, .obj, .glb, .pcd")
       ->required();
   sub.add_option("--rotate", options.rotate_deg, "Mounting of the camera, degrees (default: as recorded)")

@@ -57,7 +57,6 @@ constexpr Make kFiles[] = {
     {".r3d",
      "is a recording of Record3D, whose depth is compressed with LZFSE; export it in the app as EXR + RGB sequence, "
      "and give the folder of its .exr files: im2fit then prints the command for these"},
-    {".zip", "is an archive; unpack it, and give the folder: unzip \1 -d \2"},
     {".tar", "is an archive; unpack it, and give the folder: mkdir \2 && tar -xf \1 -C \2"},
     {".gz", "is an archive; unpack it, and give the folder: mkdir \2 && tar -xf \1 -C \2"},
     {".tgz", "is an archive; unpack it, and give the folder: mkdir \2 && tar -xf \1 -C \2"},

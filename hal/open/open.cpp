@@ -12,6 +12,7 @@
 #include "hal/folder/tum_folder.h"
 #include "hal/recording/bag_recording.h"
 #include "hal/recording/kinect_recording.h"
+#include "hal/recording/zip_folder.h"
 #if IM2FIT_HAVE_OPENNI2
 #include "hal/openni2/finder.h"
 #include "hal/openni2/oni_source.h"
@@ -230,22 +231,24 @@ Result<std::vector<DeviceEntry>> list_v4l2() {
 }
 #endif
 
+}  // namespace
+
 bool is_scan([[maybe_unused]] const std::string& uri) {
 #if IM2FIT_HAVE_SCANS
-  return is_scan_name(uri);
+  std::error_code code;
+  return is_scan_name(uri) && !std::filesystem::is_directory(uri, code);
 #else
   return false;
 #endif
 }
-
-}  // namespace
 
 Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOptions& options) {
   if (options.rotate_deg && !is_rotation(*options.rotate_deg))
     return Error{ErrorCode::invalid_argument,
                  "rotation is " + std::to_string(*options.rotate_deg) + ", expected 0, 90, 180 or 270 degrees"};
   std::error_code code;
-  if (options.unit_mm != 0 && options.unit_mm != 1 && !is_scan(uri) && !std::filesystem::is_directory(uri, code))
+  if (options.unit_mm != 0 && options.unit_mm != 1 && !is_scan(uri) && !has_ending(uri, ".zip") &&
+      !std::filesystem::is_directory(uri, code))
     return Error{ErrorCode::invalid_argument, uri + ": a unit can be given of depth folders and scans only"};
   if (const auto seed = after_scheme(uri, "synthetic")) {
     if (options.synthetic) return options.synthetic(*seed, options);
@@ -259,9 +262,11 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
   if (!std::filesystem::exists(status))
     return Error{ErrorCode::not_found, uri +
                                            " does not exist; expected openni2[:URI], usb[:SERIAL], v4l2[:NODE], "
-                                           "synthetic[:SEED], a .oni, .mkv or .bag "
+                                           "synthetic[:SEED], a .oni, .mkv, .bag or .zip "
                                            "file, the folder of a recording or a scan (.ply, .obj, .glb, .pcd)"};
   if (has_ending(uri, ".oni")) return open_recording(uri, options);
+  if (has_ending(uri, ".zip"))
+    return open_zip(uri, [&](const std::string& folder) { return open_folder(folder, options); });
   if (has_ending(uri, ".bag")) return open_bag_recording(uri, {options.rotate_deg, options.camera_yaml_path});
   if (has_ending(uri, ".mkv")) return open_kinect_recording(uri, {options.rotate_deg, options.camera_yaml_path});
 #if IM2FIT_HAVE_SCANS
@@ -270,10 +275,11 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
   if (is_scan(uri)) return open_scan(uri, {options.unit_mm, options.scan_up});
 #endif
   if (auto other = other_recording(uri)) return *other;
-  return Error{ErrorCode::unsupported,
-               uri +
-                   " is neither a folder nor a recording (.oni, .mkv, .bag); expected one of these or a scan (.ply, "
-                   ".obj, .glb, .pcd)"};
+  return Error{
+      ErrorCode::unsupported,
+      uri +
+          " is neither a folder nor a recording (.oni, .mkv, .bag, .zip); expected one of these or a scan (.ply, "
+          ".obj, .glb, .pcd)"};
 }
 
 ReconnectingSource::Opener camera_opener(const std::string& uri, const OpenOptions& options) {

@@ -268,7 +268,6 @@ TEST_F(ScannerApp, WhatIsWrongIsNamedInOneLine) {
 TEST_F(Recorders, OtherRecordingsAreNamedWithTheCommandThatConvertsThem) {
   const std::pair<const char*, const char*> kFiles[] = {{"a.r3d", "EXR"},
                                                         {"A.MP4", "no millimetres"},
-                                                        {"a.zip", "unzip"},
                                                         {"it's.stl", "of a kind that is not read"},
                                                         {"a.npy", "give its folder"},
                                                         {"a.raw", "im2fit-lab import-raw"}};
