@@ -28,9 +28,9 @@ struct OpenOptions {
 
 // `uri`: openni2[:URI] | usb[:SERIAL] | v4l2[:/dev/videoN][?key=value&...] | PATH.oni | PATH.mkv (Azure Kinect,
 // Femto) | PATH.bag (RealSense, ROS 1) | PATH.zip (of a folder) | DEPTH_FOLDER | STRAY_SCANNER_FOLDER |
-// SCANNER_APP_FOLDER | TUM_FOLDER | SCAN.ply, .obj, .glb, .pcd | synthetic[:seed]. A scan is looked at from the front, then walked round
-// (hal/scan/scan_source.h). A recording of another make is refused with the command that converts it
-// (hal/folder/other_recordings.h).
+// SCANNER_APP_FOLDER | TUM_FOLDER | SCAN.ply, .obj, .glb, .pcd | synthetic[:seed]. A scan is looked at from the
+// front, then walked round (hal/scan/scan_source.h). A recording of another make is refused with the command that
+// converts it (hal/folder/other_recordings.h).
 Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOptions& options = {});
 
 // Whether open_source reads `uri` as a scan, by its name; a folder is none.
