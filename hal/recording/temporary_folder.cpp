@@ -44,6 +44,10 @@ TemporaryFolder::~TemporaryFolder() {
   if (pipe_ >= 0) ::close(pipe_);
 }
 
+#if defined(__ANDROID__)
+// An app has its own place for temporary files, and the system's shell is not for it.
+void TemporaryFolder::watch() {}
+#else
 // Ctrl-C and hang-ups reach a whole group of processes: the shell is in another, and ignores them.
 void TemporaryFolder::watch() {
   int ends[2];
@@ -72,5 +76,6 @@ void TemporaryFolder::watch() {
   pipe_ = ends[1];
   watcher_ = child;
 }
+#endif
 
 }  // namespace im2fit::hal
