@@ -22,7 +22,8 @@ std::atomic<bool> interrupt_seen{false};
 
 std::string truth_beside(const std::string& uri) {
   const std::filesystem::path source(uri);
-  if (source.extension() == ".oni") return std::filesystem::path(source).replace_extension(".truth.json").string();
+  if (std::error_code code; std::filesystem::is_regular_file(source, code))
+    return std::filesystem::path(source).replace_extension(".truth.json").string();
   return (source / "truth.json").string();
 }
 
@@ -63,8 +64,8 @@ Result<std::unique_ptr<hal::Source>> open_patiently(const InputOptions& options,
 
 void add_input_options(cli::App& sub, InputOptions& options) {
   sub.add_option("SOURCE", options.source,
-                 "openni2[:URI] | usb[:SERIAL] | v4l2:/dev/videoN | synthetic[:SEED] | PATH.oni | DEPTH_FOLDER | "
-                 "STRAY_SCANNER_FOLDER | SCANNER_APP_FOLDER | TUM_FOLDER | SCAN.ply, .obj, .glb, .pcd")
+                 "openni2[:URI] | usb[:SERIAL] | v4l2:/dev/videoN | synthetic[:SEED] | PATH.oni, .mkv, .bag, .zip | "
+                 "DEPTH_FOLDER | STRAY_SCANNER_FOLDER | SCANNER_APP_FOLDER | TUM_FOLDER | SCAN.ply, .obj, .glb, .pcd")
       ->required();
   sub.add_option("--rotate", options.rotate_deg, "Mounting of the camera, degrees (default: as recorded)")
       ->one_of({0, 90, 180, 270});

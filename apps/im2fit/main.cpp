@@ -18,8 +18,8 @@ int main(int argc, char** argv) {
   cli::App app{"Measures a person with one depth camera: body measurements, a clothing size and a 3D body.",
                "im2fit"};
   app.footer(
-      "SOURCE is openni2[:URI], usb[:SERIAL], v4l2:/dev/videoN, synthetic[:SEED], a .oni recording or a depth "
-      "folder.\n"
+      "SOURCE is openni2[:URI], usb[:SERIAL], v4l2:/dev/videoN, synthetic[:SEED], a recording (.oni, .mkv, .bag, "
+      ".zip) or a depth folder.\n"
       "Exit codes: 0 success, 1 failure, 2 wrong arguments, 3 no measurement.");
   Command chosen;
   constexpr NamedCommand kCommands[] = {

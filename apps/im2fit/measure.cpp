@@ -7,6 +7,7 @@
 #include "apps/im2fit/commands.h"
 #include "apps/im2fit/preview_renderer.h"
 #include "apps/im2fit/session.h"
+#include "hal/open/open.h"
 
 namespace im2fit::apps {
 namespace {
@@ -21,6 +22,17 @@ Result<int> run_measure(const SessionOptions& options) {
   progress.reset();  // its line goes before anything else is printed
   if (!outcome) return outcome.error();
   return report_motion(*outcome, options, report_session(*outcome, options));
+}
+
+// A camera or a recording has no lengths to find a unit of, and nobody walks round.
+Result<int> run_measure_scan(const SessionOptions& options) {
+  const std::string& source = options.input.source;
+  if (hal::is_scan(source)) return run_measure(options);
+  return Error{ErrorCode::invalid_argument,
+               source +
+                   " is no scan; expected a file whose name ends in .ply, .obj, .glb or .pcd. A camera or a "
+                   "recording is measured by: im2fit measure " +
+                   source};
 }
 
 }  // namespace
@@ -42,7 +54,7 @@ void add_measure_scan(cli::App& app, Command& chosen) {
   auto* sub = add_command<SessionOptions>(
       app, chosen, "measure-scan", "Measure the person in a body scan: a mesh or a point cloud",
       "  im2fit measure-scan anna.ply --out anna\n  im2fit measure-scan scan.obj --unit 25.4 --up z --json", options,
-      run_measure);
+      run_measure_scan);
   add_session_options(*sub, *options);
 }
 

@@ -13,6 +13,7 @@
 #include "engine/sensing_stages.h"
 #include "hal/folder/depth_folder.h"
 #include "hal/openni2/oni_writer.h"
+#include "hal/recording/zip_folder.h"
 
 namespace im2fit::apps {
 namespace {
@@ -222,8 +223,7 @@ Result<int> run_record(const RecordOptions& given) {
                                       : record_folder(tap, follower.get(), options.out);
   progress.reset();  // its line goes before anything else is printed
   if (!recorded) return recorded.error();
-  if (const auto* folder = dynamic_cast<const hal::FolderSource*>(input->source.get());
-      folder != nullptr && folder->uses_confidence())
+  if (const auto* folder = hal::folder_of(*input->source); folder != nullptr && folder->uses_confidence())
     recorded->not_kept.emplace_back("confidence (unsure pixels have no depth)");
   if (input->truth) {
     const std::string path = is_oni(options.out) ? options.out.substr(0, options.out.size() - 4) + ".truth.json"

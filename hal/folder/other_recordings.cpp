@@ -48,14 +48,6 @@ struct Make {
 
 // \1: the file, quoted. \2: a folder beside it, quoted.
 constexpr Make kFiles[] = {
-    {".mkv",
-     "is a Matroska file, as k4arecorder and OrbbecSDK write it; its depth becomes a folder by: mkdir \2 && ffmpeg "
-     "-dump_attachment:t:0 \2/calibration.json -i \1 -map 0:m:title:DEPTH -start_number 0 \2/%06d.png; then give "
-     "--camera \2/calibration.json"},
-    {".bag",
-     "is a rosbag, as RealSense's programs write it; its depth becomes raw frames by: rs-convert -d -i \1 -r \2; "
-     "then "
-     "im2fit-lab import-raw makes a folder of them, and rs-enumerate-devices -c gives the calibration"},
     {".db3",
      "is a rosbag of ROS 2; its depth becomes pictures by: ros2 bag play \1 beside ros2 run image_view "
      "image_saver --ros-args -r image:=/camera/depth/image_raw -p filename_format:=%06i.png"},
@@ -65,7 +57,6 @@ constexpr Make kFiles[] = {
     {".r3d",
      "is a recording of Record3D, whose depth is compressed with LZFSE; export it in the app as EXR + RGB sequence, "
      "and give the folder of its .exr files: im2fit then prints the command for these"},
-    {".zip", "is an archive; unpack it, and give the folder: unzip \1 -d \2"},
     {".tar", "is an archive; unpack it, and give the folder: mkdir \2 && tar -xf \1 -C \2"},
     {".gz", "is an archive; unpack it, and give the folder: mkdir \2 && tar -xf \1 -C \2"},
     {".tgz", "is an archive; unpack it, and give the folder: mkdir \2 && tar -xf \1 -C \2"},

@@ -2,6 +2,7 @@
 #include "hal/open/open.h"
 
 #include <filesystem>
+#include <string_view>
 
 #include "hal/folder/camera_yaml.h"
 #include "hal/folder/depth_folder.h"
@@ -9,6 +10,9 @@
 #include "hal/folder/scanner_3d_app.h"
 #include "hal/folder/stray_scanner.h"
 #include "hal/folder/tum_folder.h"
+#include "hal/recording/bag_recording.h"
+#include "hal/recording/kinect_recording.h"
+#include "hal/recording/zip_folder.h"
 #if IM2FIT_HAVE_OPENNI2
 #include "hal/openni2/finder.h"
 #include "hal/openni2/oni_source.h"
@@ -39,10 +43,14 @@ std::optional<std::string> after_scheme(const std::string& uri, const std::strin
   return std::nullopt;
 }
 
-bool is_oni(const std::string& uri) {
-  if (uri.size() <= 4) return false;
-  const std::string extension = uri.substr(uri.size() - 4);
-  return extension == ".oni" || extension == ".ONI";
+// `ending` in lower case.
+bool has_ending(const std::string& uri, std::string_view ending) {
+  if (uri.size() <= ending.size()) return false;
+  for (std::size_t i = 0; i < ending.size(); ++i) {
+    const char c = uri[uri.size() - ending.size() + i];
+    if ((c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c) != ending[i]) return false;
+  }
+  return true;
 }
 
 Result<std::unique_ptr<Source>> open_folder(const std::string& path, const OpenOptions& options) {
@@ -223,22 +231,24 @@ Result<std::vector<DeviceEntry>> list_v4l2() {
 }
 #endif
 
+}  // namespace
+
 bool is_scan([[maybe_unused]] const std::string& uri) {
 #if IM2FIT_HAVE_SCANS
-  return is_scan_name(uri);
+  std::error_code code;
+  return is_scan_name(uri) && !std::filesystem::is_directory(uri, code);
 #else
   return false;
 #endif
 }
-
-}  // namespace
 
 Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOptions& options) {
   if (options.rotate_deg && !is_rotation(*options.rotate_deg))
     return Error{ErrorCode::invalid_argument,
                  "rotation is " + std::to_string(*options.rotate_deg) + ", expected 0, 90, 180 or 270 degrees"};
   std::error_code code;
-  if (options.unit_mm != 0 && options.unit_mm != 1 && !is_scan(uri) && !std::filesystem::is_directory(uri, code))
+  if (options.unit_mm != 0 && options.unit_mm != 1 && !is_scan(uri) && !has_ending(uri, ".zip") &&
+      !std::filesystem::is_directory(uri, code))
     return Error{ErrorCode::invalid_argument, uri + ": a unit can be given of depth folders and scans only"};
   if (const auto seed = after_scheme(uri, "synthetic")) {
     if (options.synthetic) return options.synthetic(*seed, options);
@@ -250,12 +260,15 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
   const auto status = std::filesystem::status(uri, code);
   if (std::filesystem::is_directory(status)) return open_folder(uri, options);
   if (!std::filesystem::exists(status))
-    return Error{
-        ErrorCode::not_found,
-        uri +
-            " does not exist; expected openni2[:URI], usb[:SERIAL], v4l2[:NODE], synthetic[:SEED], a .oni file, "
-            "the folder of a recording or a scan (.ply, .obj, .glb, .pcd)"};
-  if (is_oni(uri)) return open_recording(uri, options);
+    return Error{ErrorCode::not_found, uri +
+                                           " does not exist; expected openni2[:URI], usb[:SERIAL], v4l2[:NODE], "
+                                           "synthetic[:SEED], a .oni, .mkv, .bag or .zip "
+                                           "file, the folder of a recording or a scan (.ply, .obj, .glb, .pcd)"};
+  if (has_ending(uri, ".oni")) return open_recording(uri, options);
+  if (has_ending(uri, ".zip"))
+    return open_zip(uri, [&](const std::string& folder) { return open_folder(folder, options); });
+  if (has_ending(uri, ".bag")) return open_bag_recording(uri, {options.rotate_deg, options.camera_yaml_path});
+  if (has_ending(uri, ".mkv")) return open_kinect_recording(uri, {options.rotate_deg, options.camera_yaml_path});
 #if IM2FIT_HAVE_SCANS
   if (is_scan(uri) && (options.rotate_deg.value_or(0) != 0 || !options.camera_yaml_path.empty()))
     return Error{ErrorCode::invalid_argument, uri + ": a scan has no camera; leave out --rotate and --camera"};
@@ -265,7 +278,7 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
   return Error{
       ErrorCode::unsupported,
       uri +
-          " is neither a folder nor a .oni file; expected a depth folder, an OpenNI2 recording or a scan (.ply, "
+          " is neither a folder nor a recording (.oni, .mkv, .bag, .zip); expected one of these or a scan (.ply, "
           ".obj, .glb, .pcd)"};
 }
 

@@ -26,11 +26,15 @@ struct OpenOptions {
   std::function<Result<std::unique_ptr<Source>>(const std::string& seed, const OpenOptions& options)> synthetic;
 };
 
-// `uri`: openni2[:URI] | usb[:SERIAL] | v4l2[:/dev/videoN][?key=value&...] | PATH.oni | DEPTH_FOLDER |
-// STRAY_SCANNER_FOLDER | SCANNER_APP_FOLDER | TUM_FOLDER | SCAN.ply, .obj, .glb, .pcd | synthetic[:seed]. A scan is
-// rendered from the front, then from all sides (hal/scan/scan_source.h). The error for an unsupported recording names
-// the command that converts it (hal/folder/other_recordings.h).
+// `uri`: openni2[:URI] | usb[:SERIAL] | v4l2[:/dev/videoN][?key=value&...] | PATH.oni | PATH.mkv (Azure Kinect,
+// Femto) | PATH.bag (RealSense, ROS 1) | PATH.zip (of a folder) | DEPTH_FOLDER | STRAY_SCANNER_FOLDER |
+// SCANNER_APP_FOLDER | TUM_FOLDER | SCAN.ply, .obj, .glb, .pcd | synthetic[:seed]. A scan is rendered from the front,
+// then from all sides (hal/scan/scan_source.h). The error for an unsupported recording names the command that
+// converts it (hal/folder/other_recordings.h).
 Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOptions& options = {});
+
+// Whether open_source reads `uri` as a scan, by its name; a folder is none.
+bool is_scan(const std::string& uri);
 
 // Returns a function that opens the live camera `uri` repeatedly without the leak that its library has at each
 // initialisation. Empty if `uri` is not a live camera.

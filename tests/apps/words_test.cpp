@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command line: wrong words, --help, --json, and data files that are not there.
+#include <algorithm>
 #include <cctype>
+#include <filesystem>
 #include <sstream>
 #include <tuple>
 
@@ -216,7 +218,7 @@ TEST(Words, WhatIsWrongWithThemIsReportedBeforeModelsAreRead) {
   const std::string wall = folder.path("wall");
   const std::pair<Words, const char*> table[] = {
       {{folder.path("nothing")}, "nothing does not exist"},
-      {{folder.path("model")}, "neither a folder nor a .oni file"},
+      {{folder.path("model")}, "neither a folder nor a recording"},
       {{wall, "--camera", folder.path("no.yaml")}, "no.yaml"},
       {{wall, "--truth", folder.path("no.json")}, "no.json"},
       {{wall, "--size-chart", folder.path("no.csv")}, "no.csv"},
@@ -236,6 +238,22 @@ TEST(Words, WhatIsWrongWithThemIsReportedBeforeModelsAreRead) {
       EXPECT_THAT(run.err, testing::HasSubstr(message));
     }
   }
+}
+
+TEST(Words, MeasureScanRefusesWhatIsNoScan) {
+  const test::TestFolder folder;
+  test::write_text(folder.path("person.oni"), "no recording");
+  std::filesystem::create_directories(folder.path("scans.ply"));
+  for (const std::string& source : {folder.path(), folder.path("scans.ply"), folder.path("person.oni"),
+                                    folder.path("nothing"), std::string("synthetic:1"), std::string("openni2")}) {
+    const test::Run run = start(test::kProgram, {"measure-scan", source});
+    EXPECT_EQ(run.exit_code, 1);
+    EXPECT_THAT(run.err, testing::HasSubstr(source + " is no scan; expected a file whose name ends in .ply, .obj"));
+    EXPECT_THAT(run.err, testing::HasSubstr("im2fit measure " + source));
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+  }
+  const test::Run run = start(test::kProgram, {"measure-scan", folder.path("nothing.ply")});
+  EXPECT_THAT(run.err, testing::HasSubstr("nothing.ply does not exist"));
 }
 
 // On a fresh machine every command names what makes the file it lacks.

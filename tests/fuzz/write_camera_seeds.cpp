@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sound input for the fuzzers of cameras, of texts and of the page to start from: write_camera_seeds DIRECTORY makes
-// camera_yaml/, oni_protocol/, depth_picture/, folder_times/, pose_table/, recorder_text/, scan/, size_chart/ and
-// http/.
+// camera_yaml/, oni_protocol/, kinect_recording/, bag_recording/, depth_picture/, folder_times/, pose_table/,
+// recorder_text/, scan/, size_chart/ and http/.
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -11,6 +11,7 @@
 #include "core/file.h"
 #include "hal/intrinsics.h"
 #include "hal/openni2/oni_protocol.h"
+#include "recording_seeds.h"
 
 namespace {
 
@@ -119,6 +120,9 @@ int main(int argc, char** argv) {
        "{\"w\": 48, \"h\": 36, \"K\": [45, 0, 0, 0, 45, 0, 23, 17, 1], \"dw\": 32, \"dh\": 24, \"poses\": [[0]]}"},
       {"oni_protocol/whole", two_frames(true)},
       {"oni_protocol/unclosed", two_frames(false)},
+      {"bag_recording/realsense", fuzz::bag_recording(true)},
+      {"bag_recording/ros", fuzz::bag_recording(false)},
+      {"kinect_recording/two", fuzz::matroska_recording()},
       {"depth_picture/pgm", std::string("P5 4 2 65535\n") + std::string(16, '\x0B')},
       {"folder_times/both", "frame,host_ns,device_us\n0,1000,1\n1,2000,2\n2,3000,3\n"},
       {"folder_times/spreadsheet", "\xEF\xBB\xBF\"frame\";\"host_ns\";\r\n0;1000;\r\n1;2000;\r\n2;3000;\r\n"},

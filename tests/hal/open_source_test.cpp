@@ -17,7 +17,7 @@ TEST(OpenSource, WordsThatAreNoSourceAreRefusedClearly) {
   } cases[] = {{"synthetic:7", ErrorCode::unsupported, "no synthetic camera"},
                {folder.path("absent.oni"), ErrorCode::not_found, "does not exist"},
                {"", ErrorCode::not_found, "does not exist"},
-               {folder.path("notes.txt"), ErrorCode::unsupported, "neither a folder nor a .oni"}};
+               {folder.path("notes.txt"), ErrorCode::unsupported, "neither a folder nor a recording"}};
   for (const auto& bad : cases) {
     const auto source = open_source(bad.uri);
     ASSERT_FALSE(source) << bad.uri;

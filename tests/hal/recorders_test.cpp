@@ -266,11 +266,8 @@ TEST_F(ScannerApp, WhatIsWrongIsNamedInOneLine) {
 
 // Item by item: what was found, and one command.
 TEST_F(Recorders, OtherRecordingsAreNamedWithTheCommandThatConvertsThem) {
-  const std::pair<const char*, const char*> kFiles[] = {{"a.mkv", "ffmpeg -dump_attachment:t:0"},
-                                                        {"a.bag", "rs-convert -d -i"},
-                                                        {"a.r3d", "EXR"},
+  const std::pair<const char*, const char*> kFiles[] = {{"a.r3d", "EXR"},
                                                         {"A.MP4", "no millimetres"},
-                                                        {"a.zip", "unzip"},
                                                         {"it's.stl", "of a kind that is not read"},
                                                         {"a.npy", "give its folder"},
                                                         {"a.raw", "im2fit-lab import-raw"}};

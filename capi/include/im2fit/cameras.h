@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * libim2fit-cameras opens cameras, recordings and depth folders for im2fit.h. It is a separate library because it
- * needs OpenNI2, libusb, libpng, libdeflate and yaml-cpp. libim2fit needs none of them.
+ * needs OpenNI2, libusb, libpng, libdeflate, yaml-cpp, libbz2, liblz4 and libzip. libim2fit needs none of them.
  *
  *   im2fit_settings settings;
  *   im2fit_settings_init(&settings, sizeof settings);
@@ -22,6 +22,8 @@
  *   usb[:SERIAL]                     a Kinect for Xbox 360 over USB
  *   v4l2:/dev/videoN[?key=value...]  a V4L2 depth camera (docs/cameras)
  *   PATH.oni                         a recording. PATH.oni.yaml contains its calibration
+ *   PATH.mkv, PATH.bag               a recording of an Azure Kinect or Femto, of RealSense's programs or ROS 1
+ *   PATH.zip                         a folder or a phone's recording in an archive
  *   FOLDER                           a folder with 16-bit PNG or PGM files and camera.yaml
  * `im2fit devices` lists the cameras that are connected.
  *

@@ -12,7 +12,7 @@ IM2FIT_SITE_METHOD = local
 IM2FIT_LICENSE = Apache-2.0
 IM2FIT_LICENSE_FILES = LICENSE NOTICE
 IM2FIT_INSTALL_STAGING = YES
-IM2FIT_DEPENDENCIES = cli11 fmt json-for-modern-cpp libdeflate libpng libusb yaml-cpp zstd
+IM2FIT_DEPENDENCIES = bzip2 cli11 fmt json-for-modern-cpp libdeflate libpng libusb libzip lz4 yaml-cpp zstd
 
 # The page wants three.js as Debian packs it, in IM2FIT_THREE_DIR, libmicrohttpd and libqrencode.
 IM2FIT_CONF_OPTS = \

@@ -9,7 +9,7 @@ LIC_FILES_CHKSUM = "file://LICENSE;md5=3b83ef96387f14655fc854ddc3c6bd57 file://N
 SRC_URI = "file://im2fit-${PV}.tar.gz"
 
 # The layers openembedded-core and meta-oe.
-DEPENDS = "cli11 fmt libdeflate libpng libusb1 nlohmann-json yaml-cpp zstd"
+DEPENDS = "bzip2 cli11 fmt libdeflate libpng libusb1 libzip lz4 nlohmann-json yaml-cpp zstd"
 
 inherit cmake pkgconfig systemd
 
