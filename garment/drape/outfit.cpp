@@ -8,6 +8,7 @@
 
 #include "body/model_data.h"
 #include "garment/drape/dressing_pose.h"
+#include "garment/drape/flat_places.h"
 
 namespace im2fit::body {
 namespace {
@@ -22,8 +23,12 @@ constexpr float kPutOnDamping = 12;  // per second
 constexpr float kFirstDepth = 0.02F;
 // Arms and trunk begin thin, so that a small size goes over them; thighs would slip beside the crotch.
 constexpr float kFirstSideways = 0.7F;
-constexpr float kBeltShare = 0.98F;   // of the body's girth where the band lies
-constexpr float kLayerMm = 6;         // half the distance of front and back as they lie flat
+constexpr float kBeltShare = 0.98F;  // of the body's girth where the band lies
+constexpr float kLayerMm = 6;        // half the distance of front and back as they lie flat
+// Below the underarm or band front and back stand apart like a lens, a side seam its rim: cloth wider than its wearer
+// then closes into a tube, and its front does not fall through its back.
+constexpr float kLensSlope = 0.5F, kLensMm = 90, kLensFromMm = 150, kLensWaistMm = 50, kLensSleeve = 0.6F;
+constexpr float kLongSleeve = 0.75F;  // of the arm
 constexpr float kTrunkTurnsMm = 150;  // below the underarm, as far as a sleeve that is raised takes the side along
 constexpr float kWornMm = 3;          // cloth on cloth stands off by so much
 constexpr float kWornMaxMm = 4;       // looser cloth below is pressed flat, or hidden
@@ -93,9 +98,29 @@ class CrotchDepth {
   float inner_x_ = 0, crotch_y_ = 0, outer_x_ = 1, top_y_ = -1e9F, thigh_y_ = 0, thigh_x_ = 0;
 };
 
+// Whether a sleeve is so long that it may hang over a hand.
+bool reaches_hand(const Outfit::Piece& piece) {
+  const GarmentMesh& mesh = piece.rough;
+  const float shoulder_x = mesh.body[static_cast<std::size_t>(CutMeasure::shoulder_x)];
+  float along = 0;
+  for (const Flat& f : mesh.flat) along = std::max(along, (f.x - shoulder_x) * kSleeveCosine - f.y * kSleeveSine);
+  return mesh.hang == Hang::shoulders && along > kLongSleeve * mesh.body[static_cast<std::size_t>(CutMeasure::arm)];
+}
+
+// Of each vertex, in the pattern, to the nearest seam of its side.
+std::vector<float> to_seam_mm(const GarmentMesh& mesh) {
+  FlatPlaces seams;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    if ((mesh.border[v] & kOnSeam) != 0 && mesh.side[v] >= 0) seams.add(mesh.flat[v], v);
+  std::vector<float> out;
+  for (const Flat& f : mesh.flat) out.push_back(std::sqrt(seams.nearest(f).squared_mm));
+  return out;
+}
+
 }  // namespace
 
-Outfit::Outfit(const BodyModel& model, std::vector<Piece> pieces) : model_(model), surface_(model) {
+Outfit::Outfit(const BodyModel& model, std::vector<Piece> pieces)
+    : model_(model), surface_(model, std::any_of(pieces.begin(), pieces.end(), reaches_hand)) {
   std::size_t most = 0;
   for (Piece& piece : pieces) {
     meshes_.push_back(std::make_unique<GarmentMesh>(std::move(piece.mesh)));
@@ -103,6 +128,7 @@ Outfit::Outfit(const BodyModel& model, std::vector<Piece> pieces) : model_(model
     cloths_.push_back(std::make_unique<Cloth>(*meshes_.back(), piece.fabric));
     rough_.push_back(std::make_unique<Cloth>(*rough_meshes_.back(), piece.fabric, Cloth::kRoughSubsteps));
     refinements_.emplace_back(*rough_meshes_.back(), *meshes_.back());
+    to_seam_mm_.push_back(to_seam_mm(*rough_meshes_.back()));
     if (piece.moving) {
       moving_meshes_.push_back(std::make_unique<GarmentMesh>(std::move(*piece.moving)));
       moving_.push_back(std::make_unique<Cloth>(*moving_meshes_.back(), piece.fabric, Cloth::kRoughSubsteps));
@@ -189,13 +215,14 @@ void Outfit::move_to(const Pose& pose, int frames) {
   move(cloths_, pose, frames);
 }
 
-void Outfit::place_flat(Cloth& cloth, const PosedSkeleton& bones) {
+void Outfit::place_flat(Cloth& cloth, std::span<const float> seam_mm, const PosedSkeleton& bones) {
   const GarmentMesh& mesh = cloth.mesh();
   const Vec3f shoulder = bones.head[at(Segment::left_upper_arm)], hip = bones.head[at(Segment::left_upper_leg)];
   const Vec3f middle = bones.head[at(Segment::pelvis)];
   constexpr float kRaised = kRaisedArmSine / kRaisedArmCosine, kSpread = kSpreadLegSine / kSpreadLegCosine;
   // A pattern is drawn at other angles than a body is dressed at: its sleeves and legs are pushed over to those.
   constexpr float kSleeveUp = kSleeveSine / kSleeveCosine - kRaised, kLegOut = kSpread - kLegTangent;
+  constexpr float kSleeveLonger = kRaisedArmCosine / kSleeveCosine - 1;
   const float shoulder_x = mesh.body[static_cast<std::size_t>(CutMeasure::shoulder_x)];
   // The sleeve's middle line falls on the arm's: a pattern's shoulder joint may lie farther out than the body's.
   const float out = shoulder.x - middle.x - shoulder_x;
@@ -211,9 +238,20 @@ void Outfit::place_flat(Cloth& cloth, const PosedSkeleton& bones) {
       half = crotch.half_mm(f);
       x = mesh.side[v] == 0 ? 0.0F : std::max(x + kLegOut * std::max(0.0F, -y), 2.0F);
     }
-    if (mesh.hang == Hang::shoulders)
-      y += kSleeveUp * std::max(0.0F, x - shoulder_x) *
-           std::clamp((y - mesh.underarm.y) / kTrunkTurnsMm + 1, 0.0F, 1.0F);
+    if (mesh.hang == Hang::shoulders) {
+      // All of a sleeve, its low cuff too, is pushed over and keeps its length: else it begins in ruffles.
+      const float above_mm =
+          (x - mesh.underarm.x) * kSleeveSine + (y - mesh.underarm.y) * kSleeveCosine;  // the underarm, across
+      const float along = std::max(0.0F, x - shoulder_x) * std::clamp(above_mm / kTrunkTurnsMm + 1, 0.0F, 1.0F);
+      y += along * (kSleeveUp - kRaised * kSleeveLonger);
+      x += along * kSleeveLonger;
+    }
+    if (!mesh.legs) {
+      const bool hangs = mesh.hang == Hang::shoulders;
+      const float below = std::clamp(((hangs ? mesh.underarm.y : -kLensWaistMm) - f.y) / kLensFromMm, 0.0F, 1.0F);
+      const float sleeve = hangs ? std::clamp((f.x - mesh.underarm.x) / kLensFromMm, 0.0F, kLensSleeve) : 0.0F;
+      half += std::max(below, sleeve) * std::min(kLensSlope * seam_mm[v], kLensMm);
+    }
     const float toward = mesh.layer[v] == kFrontLayer ? half : mesh.layer[v] == kBackLayer ? -half : 0.0F;
     const float side = mesh.side[v] < 0 ? -1.0F : 1.0F;
     flat_.push_back({middle.x + side * x, y + up, z + toward});
@@ -253,7 +291,7 @@ void Outfit::put_on(std::size_t index) {
   skin_body(pose);
   const PosedSkeleton bones = pose_skeleton(skeleton_, pose_);
   bone_axes(model_, bones, posed_, axes_);
-  place_flat(cloth, bones);
+  place_flat(cloth, to_seam_mm_[index], bones);
   DrawnIn drawn;
   drawn.middle_z = cloth.mesh().hang == Hang::shoulders ? bones.head[at(Segment::left_upper_arm)].z
                                                         : bones.head[at(Segment::left_upper_leg)].z;
@@ -428,9 +466,8 @@ void Outfit::hidden_skin(std::span<std::uint8_t> out, float more_mm) const {
 }
 
 // Cloth that skin would pull apart lies within the skin and is shown on it, but not in folds, which have no room.
-Vec3f Outfit::lifted(std::size_t index, std::size_t v) const {
+Vec3f Outfit::lifted(std::size_t index, std::size_t v, Vec3f p) const {
   const Cloth& cloth = *cloths_[index];
-  const Vec3f p = cloth.position(v);
   const SkinPlace& place = cloth.contacts()[v];
   if (place.triangle < 0 || cloth.pinched()[v] != 0) return p;
   const float off_mm = index == 0 ? kLiftedOffSkinMm : kLiftedOffSkinMm + kPressMm;
@@ -442,7 +479,8 @@ Vec3f Outfit::lifted(std::size_t index, std::size_t v) const {
 void Outfit::shown(std::size_t index, std::span<Vec3f> out) const {
   const Cloth& cloth = *cloths_[index];
   assert(out.size() >= cloth.mesh().vertex_count());
-  for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) out[v] = lifted(index, v);
+  for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) out[v] = cloth.position(v);
+  for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) out[v] = lifted(index, v, out[v]);
   for (std::size_t over = index + 1; over < cloths_.size(); ++over) {
     const Cloth& upper = *cloths_[over];
     box(upper);
@@ -463,7 +501,7 @@ void Outfit::shown(std::size_t index, std::span<Vec3f> out) const {
       consider(hint < upper.mesh().vertex_count() ? hint : 0);
       near(upper, p, best, consider);
       if (found == upper.mesh().vertex_count()) continue;
-      const Vec3f facing = upper.normals()[found], d = lifted(over, found) - p;
+      const Vec3f facing = upper.normals()[found], d = lifted(over, found, upper.position(found)) - p;
       const float over_mm = kPressMm - dot(d, facing);
       const float aside = std::sqrt(std::max(0.0F, dot(d, d) - dot(d, facing) * dot(d, facing)));
       if (over_mm <= 0 || aside >= kPressAsideMm) continue;

@@ -75,8 +75,8 @@ class Outfit {
     float squared_to(Vec3f p) const;
   };
   static constexpr std::size_t kBlock = 16;
-  // Where a garment's vertex is, or on the skin it lies within.
-  Vec3f lifted(std::size_t index, std::size_t v) const;
+  // `p`, a place of a garment's vertex, or on the skin it lies within.
+  Vec3f lifted(std::size_t index, std::size_t v, Vec3f p) const;
   // Makes boxes_ and groups_ of the cloth as it lies now; hides() and near() are of that cloth.
   void box(const Cloth& cloth) const;
   // Calls `consider` with each vertex of the cloth that may be as near to p as the square root of `best`, in order.
@@ -89,7 +89,7 @@ class Outfit {
   void put_on(std::size_t index);
   void refine();
   float girth_at_band(const Cloth& cloth, const PosedSkeleton& bones);
-  void place_flat(Cloth& cloth, const PosedSkeleton& bones);
+  void place_flat(Cloth& cloth, std::span<const float> seam_mm, const PosedSkeleton& bones);
   void run(const Cloths& cloths, const Pose& pose);
   void move(const Cloths& cloths, const Pose& pose, int frames);
   void turn_rough(const Mat3f& rotation, Vec3f about);
@@ -100,6 +100,7 @@ class Outfit {
   Cloths cloths_, rough_, moving_;
   std::vector<Refinement> refinements_, from_moving_;  // to the fine meshes
   std::vector<float> belt_mm_;                         // of each garment
+  std::vector<std::vector<float>> to_seam_mm_;         // of each garment's rough vertices, in the pattern
   BodySurface surface_;
   std::vector<Vec3f> rest_, posed_, axes_, drawn_, flat_;
   std::vector<Vec3f> level_, hull_points_;
