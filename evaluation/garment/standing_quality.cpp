@@ -93,10 +93,34 @@ class Picture {
   std::vector<std::uint8_t> what_;
 };
 
+// Vertices of cloth that follow one another lie near each other: a box about each few of them.
+struct Box {
+  static constexpr std::size_t kVertices = 32;
+  Vec3f low{1e9F, 1e9F, 1e9F}, high{-1e9F, -1e9F, -1e9F};
+  float squared_to(Vec3f p) const {
+    const float x = std::max({low.x - p.x, p.x - high.x, 0.0F}), y = std::max({low.y - p.y, p.y - high.y, 0.0F}),
+                z = std::max({low.z - p.z, p.z - high.z, 0.0F});
+    return x * x + y * y + z * z;
+  }
+};
+
+std::vector<Box> boxes_of(const Cloth& cloth) {
+  std::vector<Box> boxes;
+  for (std::size_t c = 0; c < cloth.mesh().vertex_count(); ++c) {
+    if (c % Box::kVertices == 0) boxes.emplace_back();
+    const Vec3f p = cloth.position(c);
+    Box& box = boxes.back();
+    box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
+    box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
+  }
+  return boxes;
+}
+
 // 1 for each of the body's vertices that the garment should cover and that pictures do not leave out.
 std::vector<std::uint8_t> covered(const body::BodyModel& model, const Outfit& outfit, const Cloth& cloth,
                                   std::span<const std::uint8_t> hidden, Vec3f low, Vec3f high) {
   std::vector<std::uint8_t> out(static_cast<std::size_t>(model.body_vertex_count()));
+  const std::vector<Box> boxes = boxes_of(cloth);
   const body::BodySurface& skin = outfit.skin();
   for (const std::int32_t v : skin.vertices()) {
     const auto i = static_cast<std::size_t>(v);
@@ -111,22 +135,27 @@ std::vector<std::uint8_t> covered(const body::BodyModel& model, const Outfit& ou
     // An arm beside the trunk is covered by its sleeve alone.
     const bool arm = (skin.limbs(v) & body::kTrunk) == 0 && (skin.limbs(v) & (body::kLeftArm | body::kRightArm)) != 0;
     float best = kCoverReachMm * kCoverReachMm;
-    for (std::size_t c = 0; c < cloth.mesh().vertex_count(); ++c) {
-      const Vec3f d = cloth.position(c) - p;
-      const float squared = dot(d, d);
-      if (squared >= best || (cloth.limbs(c) & skin.limbs(v)) == 0 || dot(cloth.normals()[c], n) < kCoverCosine)
-        continue;
-      best = squared;
-      const bool sleeve = !arm || (cloth.limbs(c) & body::kTrunk) == 0;
-      out[i] = sleeve && cloth.mesh().rim_mm[c] > kCoverRimMm ? 1 : 0;
+    for (std::size_t b = 0; b < boxes.size(); ++b) {
+      if (boxes[b].squared_to(p) >= best) continue;
+      const std::size_t end = std::min(cloth.mesh().vertex_count(), (b + 1) * Box::kVertices);
+      for (std::size_t c = b * Box::kVertices; c < end; ++c) {
+        const Vec3f d = cloth.position(c) - p;
+        const float squared = dot(d, d);
+        if (squared >= best || (cloth.limbs(c) & skin.limbs(v)) == 0 || dot(cloth.normals()[c], n) < kCoverCosine)
+          continue;
+        best = squared;
+        const bool sleeve = !arm || (cloth.limbs(c) & body::kTrunk) == 0;
+        out[i] = sleeve && cloth.mesh().rim_mm[c] > kCoverRimMm ? 1 : 0;
+      }
     }
   }
   return out;
 }
 
-void judge_hems(const GarmentMesh& mesh, std::span<const Vec3f> places, StandingQuality& quality) {
+void judge_hems(const GarmentMesh& mesh, std::span<const Rim> rims, std::span<const Vec3f> places,
+                StandingQuality& quality) {
   std::size_t points = 0, level = 0;
-  for (const Rim& rim : rims_of(mesh)) {
+  for (const Rim& rim : rims) {
     std::vector<Vec3f> hem;
     for (const std::int32_t v : rim.vertices)
       if ((mesh.border[static_cast<std::size_t>(v)] & body::kOnHem) != 0)
@@ -193,8 +222,8 @@ StandingQuality judge_standing(const body::BodyModel& model, const Outfit& outfi
 
   StandingQuality quality;
   quality.rim_mm = rim_roughness_mm(mesh, places);
-  judge_hems(mesh, places, quality);
   const std::vector<Rim> rims = rims_of(mesh);
+  judge_hems(mesh, rims, places, quality);
   for (std::size_t view = 0; view < kStandingViews; ++view) {
     Picture picture(standing_view(view), low, high);
     for (const auto& t : model.body_triangles()) {

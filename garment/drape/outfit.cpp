@@ -42,6 +42,7 @@ constexpr float kHiddenAsideMm = 30;
 constexpr float kCrumpledMm = 16;  // more than an edge of the mesh
 constexpr float kPressMm = 2, kPressAsideMm = 45;
 constexpr float kLiftedOffSkinMm = 2;  // of the places shown: half of what cloth keeps, see Cloth::kSkinMm
+constexpr int kRimPasses = 8;          // that smooth the rims shown
 constexpr float kSkinBehindMm = 20;    // skin that stands farther out of cloth is seen
 constexpr float kClothBehindMm = 40;   // cloth may stand so far out of the garment over it
 
@@ -476,10 +477,26 @@ Vec3f Outfit::lifted(std::size_t index, std::size_t v, Vec3f p) const {
   return off < off_mm && off > -kSkinBehindMm ? p + facing * (off_mm - off) : p;
 }
 
+// Towards the cubic of RimSpan: hems and bands are stiffer than a simulation of edges makes them.
+void Outfit::smooth_rims(const Cloth& cloth, std::span<Vec3f> places) {
+  float sum = 0;
+  for (const float factor : kRimFactor) sum += factor * factor;
+  for (int pass = 0; pass < kRimPasses; ++pass)
+    for (const RimSpan& rim : cloth.constraints().rims) {
+      Vec3f off{};
+      for (std::size_t k = 0; k < 5; ++k) off = off + places[static_cast<std::size_t>(rim.vertex[k])] * kRimFactor[k];
+      for (std::size_t k = 0; k < 5; ++k) {
+        Vec3f& place = places[static_cast<std::size_t>(rim.vertex[k])];
+        place = place - off * (kRimFactor[k] / sum);
+      }
+    }
+}
+
 void Outfit::shown(std::size_t index, std::span<Vec3f> out) const {
   const Cloth& cloth = *cloths_[index];
   assert(out.size() >= cloth.mesh().vertex_count());
   for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) out[v] = cloth.position(v);
+  smooth_rims(cloth, out);
   for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) out[v] = lifted(index, v, out[v]);
   for (std::size_t over = index + 1; over < cloths_.size(); ++over) {
     const Cloth& upper = *cloths_[over];
