@@ -8,7 +8,6 @@
 
 #include "body/model_data.h"
 #include "garment/drape/dressing_pose.h"
-#include "garment/drape/flat_places.h"
 
 namespace im2fit::body {
 namespace {
@@ -28,7 +27,6 @@ constexpr float kLayerMm = 6;        // half the distance of front and back as t
 // Below the underarm or band front and back stand apart like a lens, a side seam its rim: cloth wider than its wearer
 // then closes into a tube, and its front does not fall through its back.
 constexpr float kLensSlope = 0.5F, kLensMm = 90, kLensFromMm = 150, kLensWaistMm = 50, kLensSleeve = 0.6F;
-constexpr float kLongSleeve = 0.75F;  // of the arm
 constexpr float kTrunkTurnsMm = 150;  // below the underarm, as far as a sleeve that is raised takes the side along
 constexpr float kWornMm = 3;          // cloth on cloth stands off by so much
 constexpr float kWornMaxMm = 4;       // looser cloth below is pressed flat, or hidden
@@ -99,29 +97,12 @@ class CrotchDepth {
   float inner_x_ = 0, crotch_y_ = 0, outer_x_ = 1, top_y_ = -1e9F, thigh_y_ = 0, thigh_x_ = 0;
 };
 
-// Whether a sleeve is so long that it may hang over a hand.
-bool reaches_hand(const Outfit::Piece& piece) {
-  const GarmentMesh& mesh = piece.rough;
-  const float shoulder_x = mesh.body[static_cast<std::size_t>(CutMeasure::shoulder_x)];
-  float along = 0;
-  for (const Flat& f : mesh.flat) along = std::max(along, (f.x - shoulder_x) * kSleeveCosine - f.y * kSleeveSine);
-  return mesh.hang == Hang::shoulders && along > kLongSleeve * mesh.body[static_cast<std::size_t>(CutMeasure::arm)];
-}
-
-// Of each vertex, in the pattern, to the nearest seam of its side.
-std::vector<float> to_seam_mm(const GarmentMesh& mesh) {
-  FlatPlaces seams;
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-    if ((mesh.border[v] & kOnSeam) != 0 && mesh.side[v] >= 0) seams.add(mesh.flat[v], v);
-  std::vector<float> out;
-  for (const Flat& f : mesh.flat) out.push_back(std::sqrt(seams.nearest(f).squared_mm));
-  return out;
-}
-
 }  // namespace
 
 Outfit::Outfit(const BodyModel& model, std::vector<Piece> pieces)
-    : model_(model), surface_(model, std::any_of(pieces.begin(), pieces.end(), reaches_hand)) {
+    : model_(model),
+      surface_(model,
+               std::any_of(pieces.begin(), pieces.end(), [](const Piece& p) { return reaches_hand(p.rough); })) {
   std::size_t most = 0;
   for (Piece& piece : pieces) {
     meshes_.push_back(std::make_unique<GarmentMesh>(std::move(piece.mesh)));
@@ -129,7 +110,7 @@ Outfit::Outfit(const BodyModel& model, std::vector<Piece> pieces)
     cloths_.push_back(std::make_unique<Cloth>(*meshes_.back(), piece.fabric));
     rough_.push_back(std::make_unique<Cloth>(*rough_meshes_.back(), piece.fabric, Cloth::kRoughSubsteps));
     refinements_.emplace_back(*rough_meshes_.back(), *meshes_.back());
-    to_seam_mm_.push_back(to_seam_mm(*rough_meshes_.back()));
+    add_seam_distances_mm(*rough_meshes_.back(), to_seam_mm_);
     if (piece.moving) {
       moving_meshes_.push_back(std::make_unique<GarmentMesh>(std::move(*piece.moving)));
       moving_.push_back(std::make_unique<Cloth>(*moving_meshes_.back(), piece.fabric, Cloth::kRoughSubsteps));
@@ -292,7 +273,9 @@ void Outfit::put_on(std::size_t index) {
   skin_body(pose);
   const PosedSkeleton bones = pose_skeleton(skeleton_, pose_);
   bone_axes(model_, bones, posed_, axes_);
-  place_flat(cloth, to_seam_mm_[index], bones);
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < index; ++i) first += rough_[i]->mesh().vertex_count();
+  place_flat(cloth, std::span(to_seam_mm_).subspan(first), bones);
   DrawnIn drawn;
   drawn.middle_z = cloth.mesh().hang == Hang::shoulders ? bones.head[at(Segment::left_upper_arm)].z
                                                         : bones.head[at(Segment::left_upper_leg)].z;

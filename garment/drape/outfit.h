@@ -101,7 +101,7 @@ class Outfit {
   Cloths cloths_, rough_, moving_;
   std::vector<Refinement> refinements_, from_moving_;  // to the fine meshes
   std::vector<float> belt_mm_;                         // of each garment
-  std::vector<std::vector<float>> to_seam_mm_;         // of each garment's rough vertices, in the pattern
+  std::vector<float> to_seam_mm_;                      // of all rough vertices, garment after garment
   BodySurface surface_;
   std::vector<Vec3f> rest_, posed_, axes_, drawn_, flat_;
   std::vector<Vec3f> level_, hull_points_;
