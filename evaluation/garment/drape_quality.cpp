@@ -70,46 +70,6 @@ std::map<std::int32_t, std::int32_t> rim_successors(const GarmentMesh& mesh) {
   return next;
 }
 
-// A rim that touches itself in a vertex comes in pieces, which do not close.
-struct Rim {
-  std::vector<std::int32_t> vertices;
-  bool closed = false;
-};
-
-std::vector<Rim> rims_of(const GarmentMesh& mesh) {
-  auto next = rim_successors(mesh);
-  std::vector<Rim> rims;
-  while (!next.empty()) {
-    Rim rim;
-    std::int32_t v = next.begin()->first;
-    for (auto at = next.find(v); at != next.end(); at = next.find(v)) {
-      rim.vertices.push_back(v);
-      v = at->second;
-      next.erase(at);
-    }
-    rim.closed = v == rim.vertices.front();
-    rims.push_back(std::move(rim));
-  }
-  return rims;
-}
-
-// A point between two and two others on a cubic: (4 (b + c) - (a + d)) / 6.
-float roughness_of(const Cloth& cloth) {
-  float worst = 0;
-  for (const Rim& one : rims_of(cloth.mesh())) {
-    const auto& rim = one.vertices;
-    const bool closed = one.closed;
-    const std::size_t n = rim.size();
-    if (n < 8) continue;
-    const auto at = [&](std::size_t i) { return cloth.position(static_cast<std::size_t>(rim[i % n])); };
-    for (std::size_t i = closed ? 0 : 2; i < (closed ? n : n - 2); ++i) {
-      const Vec3f through = (at(i + n - 1) + at(i + 1)) * (4.0F / 6) - (at(i + n - 2) + at(i + 2)) * (1.0F / 6);
-      worst = std::max(worst, norm(at(i) - through));
-    }
-  }
-  return worst;
-}
-
 // Behind the nearest skin of the limbs it covers and behind the nearest that faces as it does, looked for afresh: the
 // solver leaves some of it out. Crumpled cloth may face skin far beside it, and where limbs press on each other the
 // nearest may be the other one's.
@@ -135,6 +95,40 @@ Inside inside_of(const body::BodySurface& skin, const Cloth& cloth, std::span<co
 }
 
 }  // namespace
+
+std::vector<Rim> rims_of(const GarmentMesh& mesh) {
+  auto next = rim_successors(mesh);
+  std::vector<Rim> rims;
+  while (!next.empty()) {
+    Rim rim;
+    std::int32_t v = next.begin()->first;
+    for (auto at = next.find(v); at != next.end(); at = next.find(v)) {
+      rim.vertices.push_back(v);
+      v = at->second;
+      next.erase(at);
+    }
+    rim.closed = v == rim.vertices.front();
+    rims.push_back(std::move(rim));
+  }
+  return rims;
+}
+
+// A point between two and two others on a cubic: (4 (b + c) - (a + d)) / 6.
+float rim_roughness_mm(const GarmentMesh& mesh, std::span<const Vec3f> places) {
+  float worst = 0;
+  for (const Rim& one : rims_of(mesh)) {
+    const auto& rim = one.vertices;
+    const bool closed = one.closed;
+    const std::size_t n = rim.size();
+    if (n < 8) continue;
+    const auto at = [&](std::size_t i) { return places[static_cast<std::size_t>(rim[i % n])]; };
+    for (std::size_t i = closed ? 0 : 2; i < (closed ? n : n - 2); ++i) {
+      const Vec3f through = (at(i + n - 1) + at(i + 1)) * (4.0F / 6) - (at(i + n - 2) + at(i + 2)) * (1.0F / 6);
+      worst = std::max(worst, norm(at(i) - through));
+    }
+  }
+  return worst;
+}
 
 Inside judge_inside(const body::BodySurface& skin, const Cloth& cloth, std::span<const Vec3f> places) {
   std::vector<Vec3f> normals(places.size());
@@ -176,7 +170,7 @@ DrapeQuality judge(const body::Outfit& outfit, std::size_t index) {
   q.inside_share = inside.share;
   q.inside_deepest_mm = inside.deepest_mm;
   q.folds_mm = folds_of(cloth);
-  q.hem_roughness_mm = roughness_of(cloth);
+  q.hem_roughness_mm = rim_roughness_mm(cloth.mesh(), positions);
   return q;
 }
 

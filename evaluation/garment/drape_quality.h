@@ -2,6 +2,8 @@
 // How good a drape is, in numbers.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "garment/drape/outfit.h"
@@ -29,6 +31,17 @@ struct Motion {
 };
 Motion motion_since(const body::Cloth& cloth, const std::vector<Vec3f>& before);
 std::vector<Vec3f> positions_of(const body::Cloth& cloth);
+
+// The free edges of a garment in their order, hems and openings. A rim that touches itself in a vertex comes in
+// pieces, which do not close.
+struct Rim {
+  std::vector<std::int32_t> vertices;
+  bool closed = false;
+};
+std::vector<Rim> rims_of(const body::GarmentMesh& mesh);
+
+// The largest distance of a rim's vertex from the cubic through its four neighbours, were the cloth at these places.
+float rim_roughness_mm(const body::GarmentMesh& mesh, std::span<const Vec3f> places);
 
 // Length round the lowest hem, mm: draped, and in the pattern.
 float hem_girth_mm(const body::Cloth& cloth, bool in_pattern);

@@ -38,9 +38,9 @@ std::uint8_t limb_of(Segment s) {
   }
 }
 
-bool touches_cloth(Segment s) {
-  return s != Segment::head && s != Segment::left_hand && s != Segment::right_hand && s != Segment::left_foot &&
-         s != Segment::right_foot;
+bool touches_cloth(Segment s, bool hands) {
+  if (s == Segment::left_hand || s == Segment::right_hand) return hands;
+  return s != Segment::head && s != Segment::left_foot && s != Segment::right_foot;
 }
 
 // Closest point of a triangle (Ericson 2005, Real-Time Collision Detection, 5.1.5), as shares of its corners.
@@ -78,7 +78,7 @@ std::array<float, 3> closest(Vec3f p, Vec3f a, Vec3f b, Vec3f c) {
 
 }  // namespace
 
-BodySurface::BodySurface(const BodyModel& model) {
+BodySurface::BodySurface(const BodyModel& model, bool hands) {
   const BodyModel::Data& d = model.data();
   const auto count = static_cast<std::size_t>(model.body_vertex_count());
   std::vector<std::uint8_t> counts(count, 0);
@@ -87,7 +87,7 @@ BodySurface::BodySurface(const BodyModel& model) {
     const SkinRecord& s = d.skin[v];
     float covered = 0;
     for (std::size_t k = 0; k < 4; ++k) {
-      covered += touches_cloth(static_cast<Segment>(s.segment[k])) ? s.weight[k] : 0;
+      covered += touches_cloth(static_cast<Segment>(s.segment[k]), hands) ? s.weight[k] : 0;
       if (k == 0 || s.weight[k] > kLimbWeight) limbs_[v] |= limb_of(static_cast<Segment>(s.segment[k]));
     }
     counts[v] = covered > kCoveredWeight ? 1 : 0;

@@ -21,11 +21,11 @@ struct SkinPlace {
   std::array<float, 3> share{};
 };
 
-// Holds trunk, arms and legs: heads, hands and feet touch no cloth. No allocation after construction. + - * / and
-// sqrt only. The model must outlive it.
+// Holds trunk, arms and legs: heads and feet touch no cloth, hands that of long sleeves alone. No allocation after
+// construction. + - * / and sqrt only. The model must outlive it.
 class BodySurface {
  public:
-  explicit BodySurface(const BodyModel& model);
+  explicit BodySurface(const BodyModel& model, bool hands = false);
 
   // `posed`: the body's vertices at the end of the next frame; the end of the last frame becomes the beginning.
   void advance(std::span<const Vec3f> posed);

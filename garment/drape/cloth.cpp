@@ -41,6 +41,7 @@ constexpr float kBeltPullPerS = 96;    // of the way to its place
 constexpr float kFreeMm = 30;          // so near its anchor a vertex needs no tether
 constexpr float kShoulderBandMm = 20;  // shoulders: above the shoulder joints less so much
 constexpr float kLimbOverlapMm = 60;
+constexpr float kSleeveFlare = 0.3F;  // a sleeve's lower edge may fall off by so much of the way from the underarm
 
 Float4 lanes_of(Vec3f v) {
   return Float4{v.x, v.y, v.z, 0};
@@ -48,6 +49,11 @@ Float4 lanes_of(Vec3f v) {
 
 float along_sleeve(Flat f) {
   return f.x * kSleeveCosine - f.y * kSleeveSine;
+}
+
+// Upwards from the line through the shoulder joint's drawn place.
+float across_sleeve(Flat f) {
+  return f.x * kSleeveSine + f.y * kSleeveCosine;
 }
 
 }  // namespace
@@ -88,10 +94,12 @@ Cloth::Cloth(const GarmentMesh& mesh, const Fabric& fabric, int substeps)
       return static_cast<std::uint8_t>((left ? l : 0) | (right ? r : 0));
     };
     if (mesh.hang == Hang::shoulders) {
-      const bool sleeve = f.y > underarm.y - kLimbOverlapMm || f.x > underarm.x + kLimbOverlapMm;
+      // A wide hem lies farther out than the underarm, too, but below the sleeve.
+      const float beyond = along_sleeve(f) - along_sleeve(underarm);
+      const bool beside = across_sleeve(f) > across_sleeve(underarm) - kLimbOverlapMm - kSleeveFlare * beyond;
+      const bool sleeve = f.y > underarm.y - kLimbOverlapMm || (f.x > underarm.x + kLimbOverlapMm && beside);
       if (sleeve && f.x > of(CutMeasure::shoulder_x) - kLimbOverlapMm) limbs_[v] |= both(kLeftArm, kRightArm);
-      if (sleeve && along_sleeve(f) > along_sleeve(underarm) + kLimbOverlapMm / 2)
-        limbs_[v] &= static_cast<std::uint8_t>(~kTrunk);
+      if (sleeve && beyond > kLimbOverlapMm / 2) limbs_[v] &= static_cast<std::uint8_t>(~kTrunk);
       if (!sleeve && f.y < -400) limbs_[v] |= kLeftLeg | kRightLeg;
       if (f.y > -kShoulderBandMm || (mesh.border[v] & kOnOpening) != 0) grip_[v] = kShoulderGrip;
     } else {

@@ -11,6 +11,8 @@ namespace im2fit::body {
 namespace {
 
 constexpr float kNoRimMm = 1e4F;
+constexpr float kLongSleeve = 0.75F;   // of the arm
+constexpr float kBelowSleeveMm = 100;  // the underarm, across the sleeve
 
 // Of an edge: what its inner points and ends lie on.
 std::uint8_t border_of(EdgeKind kind) {
@@ -212,6 +214,24 @@ class Sewing {
 float GarmentMesh::length_mm(std::size_t a, std::size_t b) const {
   const float dx = flat[a].x - flat[b].x, dy = flat[a].y - flat[b].y;
   return std::sqrt(dx * dx + dy * dy) * ((longer[a] + longer[b]) / 2);
+}
+
+bool reaches_hand(const GarmentMesh& mesh) {
+  if (mesh.hang != Hang::shoulders) return false;
+  const auto of = [&](CutMeasure m) { return mesh.body[static_cast<std::size_t>(m)]; };
+  for (const Flat& f : mesh.flat) {
+    const float along = (f.x - of(CutMeasure::shoulder_x)) * kSleeveCosine - f.y * kSleeveSine;
+    const float above = (f.x - mesh.underarm.x) * kSleeveSine + (f.y - mesh.underarm.y) * kSleeveCosine;
+    if (along > kLongSleeve * of(CutMeasure::arm) && above > -kBelowSleeveMm) return true;  // hems lie far below
+  }
+  return false;
+}
+
+void add_seam_distances_mm(const GarmentMesh& mesh, std::vector<float>& out) {
+  FlatPlaces seams;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    if ((mesh.border[v] & kOnSeam) != 0 && mesh.side[v] >= 0) seams.add(mesh.flat[v], v);
+  for (const Flat& f : mesh.flat) out.push_back(std::sqrt(seams.nearest(f).squared_mm));
 }
 
 GarmentMesh sew(const GarmentPattern& pattern, const CutBody& body, float edge_mm) {

@@ -39,6 +39,11 @@ struct GarmentMesh {
   float length_mm(std::size_t a, std::size_t b) const;
 };
 
+// Whether a sleeve is so long that it may hang over a hand.
+bool reaches_hand(const GarmentMesh& mesh);
+// Adds the distance of each vertex from the nearest seam of its side, in the pattern.
+void add_seam_distances_mm(const GarmentMesh& mesh, std::vector<float>& out);
+
 GarmentMesh sew(const GarmentPattern& pattern, const CutBody& body, float edge_mm = kGarmentEdgeMm);
 
 }  // namespace im2fit::body

@@ -22,8 +22,11 @@ constexpr float kPutOnDamping = 12;  // per second
 constexpr float kFirstDepth = 0.02F;
 // Arms and trunk begin thin, so that a small size goes over them; thighs would slip beside the crotch.
 constexpr float kFirstSideways = 0.7F;
-constexpr float kBeltShare = 0.98F;   // of the body's girth where the band lies
-constexpr float kLayerMm = 6;         // half the distance of front and back as they lie flat
+constexpr float kBeltShare = 0.98F;  // of the body's girth where the band lies
+constexpr float kLayerMm = 6;        // half the distance of front and back as they lie flat
+// Below the underarm or band front and back stand apart like a lens, a side seam its rim: cloth wider than its wearer
+// then closes into a tube, and its front does not fall through its back.
+constexpr float kLensSlope = 0.5F, kLensMm = 90, kLensFromMm = 150, kLensWaistMm = 50, kLensSleeve = 0.6F;
 constexpr float kTrunkTurnsMm = 150;  // below the underarm, as far as a sleeve that is raised takes the side along
 constexpr float kWornMm = 3;          // cloth on cloth stands off by so much
 constexpr float kWornMaxMm = 4;       // looser cloth below is pressed flat, or hidden
@@ -37,6 +40,7 @@ constexpr float kHiddenAsideMm = 30;
 constexpr float kCrumpledMm = 16;  // more than an edge of the mesh
 constexpr float kPressMm = 2, kPressAsideMm = 45;
 constexpr float kLiftedOffSkinMm = 2;  // of the places shown: half of what cloth keeps, see Cloth::kSkinMm
+constexpr int kRimPasses = 8;          // that smooth the rims shown
 constexpr float kSkinBehindMm = 20;    // skin that stands farther out of cloth is seen
 constexpr float kClothBehindMm = 40;   // cloth may stand so far out of the garment over it
 
@@ -95,7 +99,10 @@ class CrotchDepth {
 
 }  // namespace
 
-Outfit::Outfit(const BodyModel& model, std::vector<Piece> pieces) : model_(model), surface_(model) {
+Outfit::Outfit(const BodyModel& model, std::vector<Piece> pieces)
+    : model_(model),
+      surface_(model,
+               std::any_of(pieces.begin(), pieces.end(), [](const Piece& p) { return reaches_hand(p.rough); })) {
   std::size_t most = 0;
   for (Piece& piece : pieces) {
     meshes_.push_back(std::make_unique<GarmentMesh>(std::move(piece.mesh)));
@@ -103,6 +110,7 @@ Outfit::Outfit(const BodyModel& model, std::vector<Piece> pieces) : model_(model
     cloths_.push_back(std::make_unique<Cloth>(*meshes_.back(), piece.fabric));
     rough_.push_back(std::make_unique<Cloth>(*rough_meshes_.back(), piece.fabric, Cloth::kRoughSubsteps));
     refinements_.emplace_back(*rough_meshes_.back(), *meshes_.back());
+    add_seam_distances_mm(*rough_meshes_.back(), to_seam_mm_);
     if (piece.moving) {
       moving_meshes_.push_back(std::make_unique<GarmentMesh>(std::move(*piece.moving)));
       moving_.push_back(std::make_unique<Cloth>(*moving_meshes_.back(), piece.fabric, Cloth::kRoughSubsteps));
@@ -189,13 +197,14 @@ void Outfit::move_to(const Pose& pose, int frames) {
   move(cloths_, pose, frames);
 }
 
-void Outfit::place_flat(Cloth& cloth, const PosedSkeleton& bones) {
+void Outfit::place_flat(Cloth& cloth, std::span<const float> seam_mm, const PosedSkeleton& bones) {
   const GarmentMesh& mesh = cloth.mesh();
   const Vec3f shoulder = bones.head[at(Segment::left_upper_arm)], hip = bones.head[at(Segment::left_upper_leg)];
   const Vec3f middle = bones.head[at(Segment::pelvis)];
   constexpr float kRaised = kRaisedArmSine / kRaisedArmCosine, kSpread = kSpreadLegSine / kSpreadLegCosine;
   // A pattern is drawn at other angles than a body is dressed at: its sleeves and legs are pushed over to those.
   constexpr float kSleeveUp = kSleeveSine / kSleeveCosine - kRaised, kLegOut = kSpread - kLegTangent;
+  constexpr float kSleeveLonger = kRaisedArmCosine / kSleeveCosine - 1;
   const float shoulder_x = mesh.body[static_cast<std::size_t>(CutMeasure::shoulder_x)];
   // The sleeve's middle line falls on the arm's: a pattern's shoulder joint may lie farther out than the body's.
   const float out = shoulder.x - middle.x - shoulder_x;
@@ -211,9 +220,20 @@ void Outfit::place_flat(Cloth& cloth, const PosedSkeleton& bones) {
       half = crotch.half_mm(f);
       x = mesh.side[v] == 0 ? 0.0F : std::max(x + kLegOut * std::max(0.0F, -y), 2.0F);
     }
-    if (mesh.hang == Hang::shoulders)
-      y += kSleeveUp * std::max(0.0F, x - shoulder_x) *
-           std::clamp((y - mesh.underarm.y) / kTrunkTurnsMm + 1, 0.0F, 1.0F);
+    if (mesh.hang == Hang::shoulders) {
+      // All of a sleeve, its low cuff too, is pushed over and keeps its length: else it begins in ruffles.
+      const float above_mm =
+          (x - mesh.underarm.x) * kSleeveSine + (y - mesh.underarm.y) * kSleeveCosine;  // the underarm, across
+      const float along = std::max(0.0F, x - shoulder_x) * std::clamp(above_mm / kTrunkTurnsMm + 1, 0.0F, 1.0F);
+      y += along * (kSleeveUp - kRaised * kSleeveLonger);
+      x += along * kSleeveLonger;
+    }
+    if (!mesh.legs) {
+      const bool hangs = mesh.hang == Hang::shoulders;
+      const float below = std::clamp(((hangs ? mesh.underarm.y : -kLensWaistMm) - f.y) / kLensFromMm, 0.0F, 1.0F);
+      const float sleeve = hangs ? std::clamp((f.x - mesh.underarm.x) / kLensFromMm, 0.0F, kLensSleeve) : 0.0F;
+      half += std::max(below, sleeve) * std::min(kLensSlope * seam_mm[v], kLensMm);
+    }
     const float toward = mesh.layer[v] == kFrontLayer ? half : mesh.layer[v] == kBackLayer ? -half : 0.0F;
     const float side = mesh.side[v] < 0 ? -1.0F : 1.0F;
     flat_.push_back({middle.x + side * x, y + up, z + toward});
@@ -253,7 +273,9 @@ void Outfit::put_on(std::size_t index) {
   skin_body(pose);
   const PosedSkeleton bones = pose_skeleton(skeleton_, pose_);
   bone_axes(model_, bones, posed_, axes_);
-  place_flat(cloth, bones);
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < index; ++i) first += rough_[i]->mesh().vertex_count();
+  place_flat(cloth, std::span(to_seam_mm_).subspan(first), bones);
   DrawnIn drawn;
   drawn.middle_z = cloth.mesh().hang == Hang::shoulders ? bones.head[at(Segment::left_upper_arm)].z
                                                         : bones.head[at(Segment::left_upper_leg)].z;
@@ -428,9 +450,8 @@ void Outfit::hidden_skin(std::span<std::uint8_t> out, float more_mm) const {
 }
 
 // Cloth that skin would pull apart lies within the skin and is shown on it, but not in folds, which have no room.
-Vec3f Outfit::lifted(std::size_t index, std::size_t v) const {
+Vec3f Outfit::lifted(std::size_t index, std::size_t v, Vec3f p) const {
   const Cloth& cloth = *cloths_[index];
-  const Vec3f p = cloth.position(v);
   const SkinPlace& place = cloth.contacts()[v];
   if (place.triangle < 0 || cloth.pinched()[v] != 0) return p;
   const float off_mm = index == 0 ? kLiftedOffSkinMm : kLiftedOffSkinMm + kPressMm;
@@ -439,10 +460,27 @@ Vec3f Outfit::lifted(std::size_t index, std::size_t v) const {
   return off < off_mm && off > -kSkinBehindMm ? p + facing * (off_mm - off) : p;
 }
 
+// Towards the cubic of RimSpan: hems and bands are stiffer than a simulation of edges makes them.
+void Outfit::smooth_rims(const Cloth& cloth, std::span<Vec3f> places) {
+  float sum = 0;
+  for (const float factor : kRimFactor) sum += factor * factor;
+  for (int pass = 0; pass < kRimPasses; ++pass)
+    for (const RimSpan& rim : cloth.constraints().rims) {
+      Vec3f off{};
+      for (std::size_t k = 0; k < 5; ++k) off = off + places[static_cast<std::size_t>(rim.vertex[k])] * kRimFactor[k];
+      for (std::size_t k = 0; k < 5; ++k) {
+        Vec3f& place = places[static_cast<std::size_t>(rim.vertex[k])];
+        place = place - off * (kRimFactor[k] / sum);
+      }
+    }
+}
+
 void Outfit::shown(std::size_t index, std::span<Vec3f> out) const {
   const Cloth& cloth = *cloths_[index];
   assert(out.size() >= cloth.mesh().vertex_count());
-  for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) out[v] = lifted(index, v);
+  for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) out[v] = cloth.position(v);
+  smooth_rims(cloth, out);
+  for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) out[v] = lifted(index, v, out[v]);
   for (std::size_t over = index + 1; over < cloths_.size(); ++over) {
     const Cloth& upper = *cloths_[over];
     box(upper);
@@ -463,7 +501,7 @@ void Outfit::shown(std::size_t index, std::span<Vec3f> out) const {
       consider(hint < upper.mesh().vertex_count() ? hint : 0);
       near(upper, p, best, consider);
       if (found == upper.mesh().vertex_count()) continue;
-      const Vec3f facing = upper.normals()[found], d = lifted(over, found) - p;
+      const Vec3f facing = upper.normals()[found], d = lifted(over, found, upper.position(found)) - p;
       const float over_mm = kPressMm - dot(d, facing);
       const float aside = std::sqrt(std::max(0.0F, dot(d, d) - dot(d, facing) * dot(d, facing)));
       if (over_mm <= 0 || aside >= kPressAsideMm) continue;

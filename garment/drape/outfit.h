@@ -61,7 +61,7 @@ class Outfit {
   // Skin near hems is not; `more_mm`: so much farther from them, where cloth will move.
   void hidden_skin(std::span<std::uint8_t> out, float more_mm = 0) const;
   // Where a garment's vertices are shown: those within the skin lie on it, and those that stand out of cloth worn
-  // over it lie under that cloth. `out` has a place a vertex of the garment.
+  // over it lie under that cloth; rims are smoother than simulated. `out` has a place a vertex of the garment.
   void shown(std::size_t index, std::span<Vec3f> out) const;
   // The same as hidden_skin of a garment's vertices below the garments over it.
   void hidden_cloth(std::size_t index, std::span<std::uint8_t> out, float more_mm = 0) const;
@@ -75,8 +75,9 @@ class Outfit {
     float squared_to(Vec3f p) const;
   };
   static constexpr std::size_t kBlock = 16;
-  // Where a garment's vertex is, or on the skin it lies within.
-  Vec3f lifted(std::size_t index, std::size_t v) const;
+  // `p`, a place of a garment's vertex, or on the skin it lies within.
+  Vec3f lifted(std::size_t index, std::size_t v, Vec3f p) const;
+  static void smooth_rims(const Cloth& cloth, std::span<Vec3f> places);
   // Makes boxes_ and groups_ of the cloth as it lies now; hides() and near() are of that cloth.
   void box(const Cloth& cloth) const;
   // Calls `consider` with each vertex of the cloth that may be as near to p as the square root of `best`, in order.
@@ -89,7 +90,7 @@ class Outfit {
   void put_on(std::size_t index);
   void refine();
   float girth_at_band(const Cloth& cloth, const PosedSkeleton& bones);
-  void place_flat(Cloth& cloth, const PosedSkeleton& bones);
+  void place_flat(Cloth& cloth, std::span<const float> seam_mm, const PosedSkeleton& bones);
   void run(const Cloths& cloths, const Pose& pose);
   void move(const Cloths& cloths, const Pose& pose, int frames);
   void turn_rough(const Mat3f& rotation, Vec3f about);
@@ -100,6 +101,7 @@ class Outfit {
   Cloths cloths_, rough_, moving_;
   std::vector<Refinement> refinements_, from_moving_;  // to the fine meshes
   std::vector<float> belt_mm_;                         // of each garment
+  std::vector<float> to_seam_mm_;                      // of all rough vertices, garment after garment
   BodySurface surface_;
   std::vector<Vec3f> rest_, posed_, axes_, drawn_, flat_;
   std::vector<Vec3f> level_, hull_points_;

@@ -22,6 +22,7 @@ constexpr Maker kMakers[] = {
     {"garment-plate", make_garment_plate},
 #if IM2FIT_HAVE_EVALUATION
     {"garment-sheets", make_garment_sheets},
+    {"garment-sizes", make_garment_sizes},
 #endif
     {"measurement-regression", make_measurement_regression},
     {"tape-regression", make_tape_regression},

@@ -10,6 +10,7 @@ int make_cut_regression(int argc, char** argv);
 int make_error_correlation(int argc, char** argv);
 int make_garment_plate(int argc, char** argv);
 int make_garment_sheets(int argc, char** argv);
+int make_garment_sizes(int argc, char** argv);
 int make_measurement_regression(int argc, char** argv);
 int make_tape_regression(int argc, char** argv);
 int make_tape_table(int argc, char** argv);
