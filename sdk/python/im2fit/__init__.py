@@ -621,14 +621,14 @@ def read_folder(path: StrPath) -> DepthFolder:
 
 def measure(source: StrPath, models: Models | StrPath | None = None, rotate_deg: int | None = None,
             calibration: StrPath | None = None, avatars: Iterable[AvatarKind] = (), **settings: Unpack[Settings]) -> Person:
-    """Measures the person in a depth folder, a recording (.oni) or before a camera; sources are those of Session.of. Uses
+    """Measures the person in a depth folder, a recording (.oni, .mkv, .bag, .zip) or before a camera; sources are those of Session.of. Uses
     frames until the measurement, or all of them. Returns a Person: check its `measured` and `guidance`. A folder does not
     need libim2fit-cameras. `avatars`: the kinds of Person.avatar to make. `models` and `settings` are those of Session."""
     avatars = tuple(avatars)
     for kind in avatars:
         check_avatar_kind(kind)
     place = pathlib.Path(source)
-    if not place.exists() and ":" not in str(source) and (place.suffix == ".oni" or len(place.parts) > 1):  # no URI
+    if not place.exists() and ":" not in str(source) and (place.suffix in (".oni", ".mkv", ".bag", ".zip") or len(place.parts) > 1):  # no URI
         raise FileNotFoundError(f"{source} does not exist: expected a depth folder or a recording")
     if place.is_dir() and rotate_deg is None and calibration is None:
         folder = read_folder(place)
