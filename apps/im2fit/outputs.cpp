@@ -88,7 +88,7 @@ Status make_avatar(SessionOutcome& outcome) {
   if (!body || outcome.avatar) return Ok{};
   MeasuredAvatar made;
   made.avatar = {outcome.data.body_model.get(), body->params, body->pose};
-  auto figure = body::make_figure(made.avatar);
+  auto figure = body::make_figure(made.avatar, body->rest);
   if (!figure) return figure.error();
   made.figure = std::move(*figure);
   outcome.avatar = std::move(made);
