@@ -336,6 +336,9 @@ const MeasurementValues& Measurer::values() const {
 const Skeleton& Measurer::rest_bones() const {
   return work_->rest_bones;
 }
+std::span<const Vec3f> Measurer::rest() const {
+  return work_->rest;
+}
 std::span<const Vec3f> Measurer::posed() const {
   return work_->posed;
 }

@@ -38,6 +38,8 @@ class Measurer {
   const MeasurementValues& values() const;
   const Skeleton& rest_bones() const;
   std::span<const Vec3f> posed() const;
+  // All vertices at rest, of the last measure(); measure_rest_mesh() leaves them.
+  std::span<const Vec3f> rest() const;
   const PosedSkeleton& bones() const;
   std::span<const Section> sections() const;
   // Of the same mesh: how much chest, waist and hip girth grow with the height they are taken at, mm a mm, from 20 mm

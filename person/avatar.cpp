@@ -39,6 +39,8 @@ Result<AnsweredBody> body_of_goals(body::MeasurementFitter& fitter, const body::
   AnsweredBody answered;
   answered.params = start;
   answered.fit = fitter.run(answered.params, goals, seen.valid ? &seen : nullptr);
+  const std::span<const Vec3f> rest = fitter.measured().rest();
+  answered.rest.assign(rest.begin(), rest.end());
   answered.pose = seen.valid
                       ? seen.pose
                       : body::pose_from_joints(fitter.measured().rest_bones(), to_mesh_axes(measured_joints, floor));

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "body/fit/measurement_fit.h"
 #include "body/model.h"
@@ -20,6 +21,7 @@ struct AnsweredBody {
   body::MeasurementFit fit;  // measurements of the mesh of `params`, and their distance from the answer
   body::Pose pose;  // as seen, else joints as measured; mesh axes; the hips above the origin, the floor (where known)
                     // at y = 0
+  std::vector<Vec3f> rest = {};  // the mesh of `params`, all vertices; of body_of_answer and body_of_goals alone
 };
 
 // The goals of the mesh: the answered values, with standard deviations from their intervals.

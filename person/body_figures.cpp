@@ -136,8 +136,12 @@ BodyFigures body_figures(const index::Answer& answer, const AnsweredBody& body, 
   const IntervalEstimate stature = measured(Measurement::stature), weight = measured(Measurement::weight);
   const IntervalEstimate waist = measured(Measurement::waist_girth), hip = measured(Measurement::hip_girth);
   const Reach of_stature = reach_of(stature), of_weight = reach_of(weight);
-  std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
-  model.morph(body.params, rest);
+  std::vector<Vec3f> morphed;
+  if (body.rest.empty()) {
+    morphed.resize(static_cast<std::size_t>(model.vertex_count()));
+    model.morph(body.params, morphed);
+  }
+  const std::span<const Vec3f> rest = body.rest.empty() ? morphed : body.rest;
   const auto ratio = [](const IntervalEstimate& over, const IntervalEstimate& under) {
     return estimate(static_cast<double>(over.value) / static_cast<double>(under.value),
                     together({reach_of(over), times(reach_of(under), -1)}));

@@ -75,7 +75,7 @@ std::string full_result_json(const PersonMeasurement& person, const MeasuringDat
                              const std::optional<ResultTiming>& timing) {
   std::string text = result_json(person, timing);
   if (!person.result.measured) return text;
-  Json json = *parse_json<Json>(text, "result.json");
+  Json json;
   // Not read: the results of unknown models are not alike.
   const std::uint32_t digest = index_digest(data.files.index);
   json["made_by"] = {{"im2fit", IM2FIT_VERSION}, {"index", digest == 0 ? "" : fmt::format("{:08x}", digest)}};
@@ -85,7 +85,9 @@ std::string full_result_json(const PersonMeasurement& person, const MeasuringDat
     if (const auto tilt = shoulder_tilt_deg(person.result.measured_joints, person.result.floor))
       json["figures"]["shoulder_tilt"] = estimate_json(*tilt, "deg", kTenths);
   }
-  return json_text(json, 2) + "\n";
+  // After the last field of the object, in whose way it is written: no need to read it.
+  text.resize(text.rfind("\n}"));
+  return text + "," + json_text(json, 2).substr(1) + "\n";
 }
 
 }  // namespace im2fit

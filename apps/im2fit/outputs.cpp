@@ -88,7 +88,7 @@ Status make_avatar(SessionOutcome& outcome) {
   if (!body || outcome.avatar) return Ok{};
   MeasuredAvatar made;
   made.avatar = {outcome.data.body_model.get(), body->params, body->pose};
-  auto figure = body::make_figure(made.avatar);
+  auto figure = body::make_figure(made.avatar, body->rest);
   if (!figure) return figure.error();
   made.figure = std::move(*figure);
   outcome.avatar = std::move(made);
@@ -107,6 +107,7 @@ Status dress(SessionOutcome& outcome) {
   const auto outfit = im2fit::dress(wardrobe, *avatar.model, figure.rest, figure.skeleton, avatar.pose, woman, worn);
   if (!outfit) return outfit.error();
   std::vector<body::ClothLook> looks;
+  looks.reserve(worn.size());
   for (const Worn& one : worn) looks.push_back({one.pattern->id, one.pattern->colour});
   body::wear(avatar, **outfit, looks);
   glb = body::glb_of(avatar, figure);
@@ -145,7 +146,7 @@ Status write_outputs(SessionOutcome& outcome, const std::string& directory, cons
   std::future<Status> overlay;
   if (wanted.overlay && outcome.shown->depth().pixels != nullptr)
     overlay = std::async([&outcome, path = directory + "/overlay.png"] { return write_overlay(outcome, path); });
-  const Status dressed = wanted.clothes ? dress(outcome) : Ok{};
+  Status dressed = wanted.clothes ? dress(outcome) : Ok{};
   if (overlay.valid())
     if (auto drawn = overlay.get(); !drawn) return drawn;
   if (!dressed) return dressed;

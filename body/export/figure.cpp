@@ -18,14 +18,17 @@ float lowest_y(std::span<const Vec3f> vertices) {
 
 }  // namespace
 
-Result<Figure> make_figure(const Avatar& avatar) {
+Result<Figure> make_figure(const Avatar& avatar, std::span<const Vec3f> rest) {
   if (avatar.model == nullptr) return Error{ErrorCode::invalid_argument, "avatar without a body model: load a .i2b"};
   const BodyModel& model = *avatar.model;
   const auto body = static_cast<std::size_t>(model.body_vertex_count());
   Figure f;
   f.rest.resize(static_cast<std::size_t>(model.vertex_count()));
   f.posed.resize(f.rest.size());
-  model.morph(avatar.params, f.rest);
+  if (rest.size() == f.rest.size())
+    std::copy(rest.begin(), rest.end(), f.rest.begin());
+  else
+    model.morph(avatar.params, f.rest);
   f.skeleton = rest_skeleton(model, f.rest);
   f.pose = avatar.pose;
   skin(model, f.rest, f.skeleton, f.pose, f.posed);

@@ -2,6 +2,7 @@
 // What every writer needs of an avatar: its meshes, bones and where the floor is.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,8 @@ struct Figure {
   Pose pose;         // translation such that the posed figure stands on y = 0
   float floor_rest;  // lowest y of the rest mesh, mm
 };
-Result<Figure> make_figure(const Avatar& avatar);
+// `rest`: the mesh of the avatar's params, all vertices, where it is there; empty: it is morphed.
+Result<Figure> make_figure(const Avatar& avatar, std::span<const Vec3f> rest = {});
 
 // The writers of export.h for a figure that is there: an avatar in several forms is morphed and posed once. `figure`
 // is that of the avatar's model, params and pose.

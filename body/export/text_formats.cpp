@@ -22,10 +22,10 @@ void append_triple(std::string& out, Vec3f v, double scale, int decimals) {
   append_number(out, v.z * scale, decimals);
 }
 
-void append_count(std::string& out, std::size_t count) {
-  std::array<char, 24> text{};
-  const auto written = std::to_chars(text.data(), text.data() + text.size(), count);
-  out.append(text.data(), written.ptr);
+constexpr std::size_t kDigitsMax = 20;
+// Returns the end of the digits; `to` has room for kDigitsMax.
+char* put_count(char* to, std::size_t count) {
+  return std::to_chars(to, to + kDigitsMax, count).ptr;
 }
 
 constexpr double kDegrees = 57.29577951308232;
@@ -116,17 +116,22 @@ void append_object(std::string& out, const char* name, const char* material, con
   }
   if (*material != 0) out += std::string("usemtl ") + material + "\n";
   for (const auto& q : part.quads) {
-    out += 'f';
+    std::array<char, 1 + 4 * (3 + 3 * kDigitsMax) + 1> line{};
+    char* at = line.data();
+    *at++ = 'f';
     for (const std::int32_t v : q) {
       const std::size_t index = first[0] + vertex_of(static_cast<std::size_t>(v)) + 1;
-      out += ' ';
-      append_count(out, index);
-      out += '/';
-      if (!part.texture.empty()) append_count(out, first[1] + static_cast<std::size_t>(v) + 1);
-      out += '/';
-      append_count(out, index);
+      *at++ = ' ';
+      const char* const number = at;
+      at = put_count(at, index);
+      const char* const end = at;
+      *at++ = '/';
+      if (!part.texture.empty()) at = put_count(at, first[1] + static_cast<std::size_t>(v) + 1);
+      *at++ = '/';
+      at = std::copy(number, end, at);
     }
-    out += '\n';
+    *at++ = '\n';
+    out.append(line.data(), at);
   }
   first[0] += vertex_count;
   first[1] += part.texture.size();

@@ -43,6 +43,9 @@ constexpr std::array<double, 3> kAroundSdsMm = {8, 16, 32};
 constexpr float kNearlyMm = 1, kNearlyKg = 1;
 // Residuals at which the search ends: a tenth of the reported limit (kResidualToldMm).
 constexpr double kMetMm = 0.2, kMetKg = 0.02;
+// Goals give way by kTightness, so that a search may come to rest a little beyond those: ended where a step takes the
+// cost to more than kRestShare of what it was, and residuals are at most so many times as large.
+constexpr double kRestShare = 0.7, kMetAtRest = 2;
 
 double limited(double v, double low, double high) {
   return v > low ? (v < high ? v : high) : low;
@@ -156,7 +159,7 @@ class MeasurementFitter::Work {
   bool search(MeasurementFit& fit) {
     fit = {};
     whitened_.fill(0);
-    double best_cost = 0;
+    double best_cost = 0, cost_before = 0, times = 1;  // of the residuals at which the search ends
     int best_step = 0;
     Rows off{}, off_before{};
     Columns before{};
@@ -168,14 +171,17 @@ class MeasurementFitter::Work {
         scale_slopes(values);
       else
         learn(before, off_before, off);
-      if (const double cost = cost_of(off); fit.steps == 0 || cost < best_cost) {
+      const double cost = cost_of(off);
+      times = fit.steps > 0 && cost > kRestShare * cost_before ? kMetAtRest : 1;
+      cost_before = cost;
+      if (fit.steps == 0 || cost < best_cost) {
         best_cost = cost;
         best_ = here_;
         best_step = fit.steps;
         fit.values = values;
         fit.distance = static_cast<float>(length(whitened_));
       }
-      if (met(off) || fit.steps == kStepCountMax) break;
+      if (met(off, times) || fit.steps == kStepCountMax) break;
       before = whitened_;
       off_before = off;
       step(off);
@@ -183,7 +189,7 @@ class MeasurementFitter::Work {
     const Rows last = off_of(fit.values);
     for (std::size_t r = 0; r < kRows; ++r) fit.residual[r] = static_cast<float>(last[r]);
     if (best_step != fit.steps) measurer_.measure(best_);
-    return met(last);
+    return met(last, times);
   }
 
   void set_prior(float gender, const SeenBody* seen, double sd_mm) {
@@ -244,9 +250,9 @@ class MeasurementFitter::Work {
     return sum;
   }
 
-  static bool met(const Rows& off) {
+  static bool met(const Rows& off, double times) {
     for (std::size_t r = 0; r < kRows; ++r)
-      if (!(std::fabs(off[r]) <= (is_mass(r) ? kMetKg : kMetMm))) return false;
+      if (!(std::fabs(off[r]) <= times * (is_mass(r) ? kMetKg : kMetMm))) return false;
     return true;
   }
 

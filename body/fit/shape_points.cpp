@@ -18,13 +18,13 @@ bool is_hand(std::uint8_t number) {
   return segment == Segment::left_hand || segment == Segment::right_hand;
 }
 
-bool is_hand(const BodyModel& model, const Quad& quad) {
-  const auto of_hand = [&](std::int32_t v) {
-    const SkinRecord& skin = model.data().skin[static_cast<std::size_t>(v)];
-    return std::any_of(skin.segment.begin(), skin.segment.end(), [](std::uint8_t s) { return is_hand(s); });
-  };
-  // Of most quads no corner knows a hand: their weights need not be added up.
-  return std::any_of(quad.begin(), quad.end(), of_hand) && is_hand(skin_of_quad(model, quad).segment[0]);
+// Vertices that a hand may move. Of most quads no corner is one: their weights need not be added up.
+std::vector<std::uint8_t> vertices_of_hands(const BodyModel& model) {
+  std::vector<std::uint8_t> of_hand(static_cast<std::size_t>(model.body_vertex_count()));
+  for (std::size_t v = 0; v < of_hand.size(); ++v)
+    for (const std::uint8_t segment : model.data().skin[v].segment)
+      if (is_hand(segment)) of_hand[v] = 1;
+  return of_hand;
 }
 
 struct QuadAreas {
@@ -34,8 +34,13 @@ struct QuadAreas {
 };
 QuadAreas quad_areas(const BodyModel& model, std::span<const Vec3f> mesh) {
   QuadAreas all;
+  all.quads.reserve(model.body_quads().size());
+  all.area_before.reserve(model.body_quads().size());
+  const std::vector<std::uint8_t> of_hand = vertices_of_hands(model);
   for (const Quad& quad : model.body_quads()) {
-    if (is_hand(model, quad)) continue;
+    bool any = false;
+    for (const std::int32_t v : quad) any = any || of_hand[static_cast<std::size_t>(v)] != 0;
+    if (any && is_hand(skin_of_quad(model, quad).segment[0])) continue;
     all.quads.push_back(quad);
     all.area_before.push_back(all.area);
     all.area += 0.5 * static_cast<double>(norm(cross(corner(mesh, quad, 2) - corner(mesh, quad, 0),

@@ -141,7 +141,7 @@ void BodySurface::normals(std::span<const std::array<std::int32_t, 3>> triangles
     out[static_cast<std::size_t>(v)] = normalized(out[static_cast<std::size_t>(v)]);
 }
 
-void BodySurface::advance(std::span<const Vec3f> posed) {
+void BodySurface::end_at(std::span<const Vec3f> posed) {
   assert(posed.size() >= begin_.size());
   begin_.swap(end_);
   begin_normal_.swap(end_normal_);
@@ -154,11 +154,15 @@ void BodySurface::advance(std::span<const Vec3f> posed) {
   }
   moved_mm_ = std::sqrt(farthest);
   normals(triangles_, vertices_, end_, end_normal_);
+}
+
+void BodySurface::advance(std::span<const Vec3f> posed) {
+  end_at(posed);
   build_grid();
 }
 
 void BodySurface::put(std::span<const Vec3f> posed) {
-  advance(posed);
+  end_at(posed);
   begin_ = end_;  // same sizes: no allocation
   begin_normal_ = end_normal_;
   moved_mm_ = 0;

@@ -60,6 +60,7 @@ class BodySurface {
   Vec3f along(const SkinPlace& place, bool at_end) const;   // unit, square to facing(), the same way in all poses
 
  private:
+  void end_at(std::span<const Vec3f> posed);
   void build_grid();
   std::int32_t walk(Vec3f point, Vec3f facing, float cosine, std::uint8_t limbs, float reach_mm, std::int32_t from,
                     bool at_end) const;

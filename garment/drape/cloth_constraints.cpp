@@ -170,7 +170,8 @@ class Builder {
   template <class T, class F>
   int sort_by_colour(std::vector<T>& list, F vertices_of) {
     std::vector<std::uint64_t> used(mesh_.vertex_count(), 0);
-    std::vector<std::pair<int, std::size_t>> colour;  // of each, and its number
+    std::vector<std::uint8_t> colour(list.size());
+    std::array<std::size_t, kColoursMax + 1> first{};  // of each colour; at the end: their ends
     int most = 0;
     for (std::size_t i = 0; i < list.size(); ++i) {
       std::uint64_t taken = 0;
@@ -178,13 +179,13 @@ class Builder {
       int c = 0;
       while (c + 1 < kColoursMax && ((taken >> c) & 1U) != 0) ++c;
       for (const std::int32_t v : vertices_of(list[i])) used[static_cast<std::size_t>(v)] |= std::uint64_t{1} << c;
-      colour.push_back({c, i});
+      colour[i] = static_cast<std::uint8_t>(c);
+      ++first[static_cast<std::size_t>(c) + 1];
       most = std::max(most, c + 1);
     }
-    std::stable_sort(colour.begin(), colour.end(), [](const auto& l, const auto& r) { return l.first < r.first; });
-    std::vector<T> sorted;
-    sorted.reserve(list.size());
-    for (const auto& [c, i] : colour) sorted.push_back(list[i]);
+    for (std::size_t c = 1; c < first.size(); ++c) first[c] += first[c - 1];
+    std::vector<T> sorted(list.size());
+    for (std::size_t i = 0; i < list.size(); ++i) sorted[first[colour[i]]++] = list[i];
     list.swap(sorted);
     return most;
   }

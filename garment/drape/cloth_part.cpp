@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "body/model_data.h"
 
@@ -52,25 +53,52 @@ std::vector<std::size_t> followed_segments(const std::vector<Shares>& all) {
   return segments;
 }
 
+// Each vertex's neighbours, in the order of the edges.
+struct Neighbours {
+  explicit Neighbours(const Cloth& cloth) : first(cloth.mesh().vertex_count() + 1, 0) {
+    const auto& edges = cloth.constraints().edges;
+    for (const auto& e : edges)
+      for (const std::int32_t v : e) ++first[static_cast<std::size_t>(v) + 1];
+    for (std::size_t v = 1; v < first.size(); ++v) first[v] += first[v - 1];
+    std::vector<std::size_t> end(first.begin(), first.end() - 1);
+    vertices.resize(first.back());
+    for (const auto& e : edges)
+      for (std::size_t k = 0; k < 2; ++k) vertices[end[static_cast<std::size_t>(e[k])]++] = e[1 - k];
+  }
+  std::vector<std::size_t> first;  // where those of a vertex begin, and an end
+  std::vector<std::int32_t> vertices;
+};
+
+// In rows of four segments: sums are those of one segment after another, to the bit.
 void smooth(const Cloth& cloth, std::vector<Shares>& all) {
   const std::vector<std::size_t> segments = followed_segments(all);
-  std::vector<Shares> sum(all.size());
-  std::vector<float> count(all.size(), 1.0F);
-  for (const auto& e : cloth.constraints().edges)
-    for (const std::int32_t v : e) count[static_cast<std::size_t>(v)] += 1;
+  const Neighbours neighbours(cloth);
   const float edge = cloth.mesh().edge_mm / kSmoothMm;
   const int passes = std::max(1, static_cast<int>(static_cast<float>(kSmoothings) / (edge * edge)));
-  for (int pass = 0; pass < passes; ++pass) {
-    sum = all;
-    for (const auto& e : cloth.constraints().edges) {
-      const auto a = static_cast<std::size_t>(e[0]), b = static_cast<std::size_t>(e[1]);
-      for (const std::size_t s : segments) {
-        sum[a][s] += all[b][s];
-        sum[b][s] += all[a][s];
+  using Row = std::array<float, 4>;
+  constexpr auto load_row = [](const Row& row) {
+    Float4 four;
+    std::memcpy(&four, row.data(), sizeof four);
+    return four;
+  };
+  std::vector<Row> rows(all.size()), sums(all.size());
+  for (std::size_t from = 0; from < segments.size(); from += 4) {
+    const std::size_t width = std::min<std::size_t>(4, segments.size() - from);
+    for (std::size_t v = 0; v < all.size(); ++v)
+      for (std::size_t k = 0; k < width; ++k) rows[v][k] = all[v][segments[from + k]];
+    for (int pass = 0; pass < passes; ++pass) {
+      for (std::size_t v = 0; v < rows.size(); ++v) {
+        Float4 sum = load_row(rows[v]);
+        const std::size_t end = neighbours.first[v + 1];
+        for (std::size_t i = neighbours.first[v]; i < end; ++i)
+          sum += load_row(rows[static_cast<std::size_t>(neighbours.vertices[i])]);
+        sum /= all_of(1 + static_cast<float>(end - neighbours.first[v]));
+        std::memcpy(sums[v].data(), &sum, sizeof sum);
       }
+      rows.swap(sums);
     }
     for (std::size_t v = 0; v < all.size(); ++v)
-      for (const std::size_t s : segments) all[v][s] = sum[v][s] / count[v];
+      for (std::size_t k = 0; k < width; ++k) all[v][segments[from + k]] = rows[v][k];
   }
 }
 

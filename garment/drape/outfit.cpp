@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 #include "body/model_data.h"
@@ -126,8 +127,8 @@ Outfit::Outfit(const BodyModel& model, std::vector<Piece> pieces)
   axes_.resize(drawn_.size());
   clearance_mm_.resize(drawn_.size());
   flat_.reserve(most);
-  boxes_.reserve(most / kBlock + 1);
-  groups_.reserve(most / (kBlock * kBlock) + 1);
+  boxes_.reserve(most / (4 * kBlock) + 1);
+  groups_.reserve(most / (4 * kBlock * kBlock) + 1);
   level_.reserve(drawn_.size());
   hull_points_.reserve(drawn_.size());
   hull_.reserve(drawn_.size());
@@ -345,18 +346,29 @@ void Outfit::refine() {
   }
 }
 
-void Outfit::Box::take(Vec3f p) {
-  low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-  high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+void Outfit::FourBoxes::take(std::size_t lane, Vec3f p) {
+  const std::array<float, 3> at = {p.x, p.y, p.z};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    low[axis][lane] = std::min(low[axis][lane], at[axis]);
+    high[axis][lane] = std::max(high[axis][lane], at[axis]);
+  }
 }
 
 // A little less, so that a box is not passed by for the last bit.
-float Outfit::Box::squared_to(Vec3f p) const {
+inline Int4 Outfit::FourBoxes::within(Vec3f p, float squared) const {
   constexpr float kRounding = 0.999F;
-  const float x = std::max(std::max(low.x - p.x, p.x - high.x), 0.0F);
-  const float y = std::max(std::max(low.y - p.y, p.y - high.y), 0.0F);
-  const float z = std::max(std::max(low.z - p.z, p.z - high.z), 0.0F);
-  return (x * x + y * y + z * z) * kRounding;
+  const std::array<float, 3> at = {p.x, p.y, p.z};
+  Float4 sum = {};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Float4 least, most;
+    std::memcpy(&least, low[axis].data(), sizeof least);
+    std::memcpy(&most, high[axis].data(), sizeof most);
+    const Float4 before = least - all_of(at[axis]), beyond = all_of(at[axis]) - most, none = {};
+    Float4 off = before > beyond ? before : beyond;
+    off = off > none ? off : none;
+    sum += off * off;
+  }
+  return sum * all_of(kRounding) <= all_of(squared);
 }
 
 void Outfit::keep_moving_alone() {
@@ -385,25 +397,33 @@ void Outfit::box(const Cloth& cloth) const {
   groups_.clear();
   for (std::size_t c = 0; c < cloth.mesh().vertex_count(); ++c) {
     const Vec3f p = cloth.position(c);
-    if (c % kBlock == 0) boxes_.push_back({p, p});
-    if (c % (kBlock * kBlock) == 0) groups_.push_back({p, p});
-    boxes_.back().take(p);
-    groups_.back().take(p);
+    const std::size_t box = c / kBlock, group = box / kBlock;
+    if (c % (4 * kBlock) == 0) boxes_.push_back({});
+    if (c % (4 * kBlock * kBlock) == 0) groups_.push_back({});
+    boxes_.back().take(box % 4, p);
+    groups_.back().take(group % 4, p);
   }
 }
 
 template <class F>
 void Outfit::near(const Cloth& cloth, Vec3f p, const float& best, F consider) const {
   const std::size_t count = cloth.mesh().vertex_count();
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
-    if (groups_[g].squared_to(p) > best) continue;
-    const std::size_t boxes_end = std::min(boxes_.size(), (g + 1) * kBlock);
-    for (std::size_t b = g * kBlock; b < boxes_end; ++b) {
-      if (boxes_[b].squared_to(p) > best) continue;
-      const std::size_t end = std::min(count, (b + 1) * kBlock);
-      for (std::size_t c = b * kBlock; c < end; ++c) consider(c);
-    }
-  }
+  // Calls `look` with each box of `four` that may hold a vertex so near.
+  const auto each = [&](const std::vector<FourBoxes>& all, std::size_t four, auto look) {
+    const Int4 within = all[four].within(p, best);
+    if ((within[0] | within[1] | within[2] | within[3]) == 0) return;
+    for (std::size_t lane = 0; lane < 4; ++lane)
+      if (within[lane] != 0) look(4 * four + lane);
+  };
+  for (std::size_t g = 0; g < groups_.size(); ++g)
+    each(groups_, g, [&](std::size_t group) {
+      const std::size_t fours_end = std::min(boxes_.size(), (group + 1) * kBlock / 4);
+      for (std::size_t four = group * kBlock / 4; four < fours_end; ++four)
+        each(boxes_, four, [&](std::size_t box) {
+          const std::size_t end = std::min(count, (box + 1) * kBlock);
+          for (std::size_t c = box * kBlock; c < end; ++c) consider(c);
+        });
+    });
 }
 
 // A place at `p` with normal `n` is hidden by the nearest cloth that faces the same way, if it lies no more than

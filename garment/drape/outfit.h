@@ -69,10 +69,14 @@ class Outfit {
  private:
   // Vertices of a garment that follow one another lie near each other: a box about each kBlock of them, and one about
   // each kBlock boxes.
-  struct Box {
-    Vec3f low, high;
-    void take(Vec3f p);
-    float squared_to(Vec3f p) const;
+  // Four at a time; one of no vertex is far from everything.
+  struct FourBoxes {
+    using Row = std::array<float, 4>;
+    static constexpr Row kFar = {1e15F, 1e15F, 1e15F, 1e15F}, kBelow = {-1e15F, -1e15F, -1e15F, -1e15F};
+    std::array<Row, 3> low = {kFar, kFar, kFar}, high = {kBelow, kBelow, kBelow};
+    void take(std::size_t lane, Vec3f p);
+    // Which of them may hold a vertex so near, each lane not 0.
+    Int4 within(Vec3f p, float squared) const;
   };
   static constexpr std::size_t kBlock = 16;
   // `p`, a place of a garment's vertex, or on the skin it lies within.
@@ -107,7 +111,7 @@ class Outfit {
   std::vector<Vec3f> level_, hull_points_;
   HullWork hull_;
   std::vector<float> clearance_mm_;
-  mutable std::vector<Box> boxes_, groups_;
+  mutable std::vector<FourBoxes> boxes_, groups_;
   Skeleton skeleton_;
   Pose pose_;
 };

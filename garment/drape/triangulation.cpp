@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 namespace im2fit::body {
@@ -71,6 +72,92 @@ Circled circled(const std::vector<Place>& p, int a, int b, int c) {
   return {{a, b, c}, at(a).x + ux, at(a).y + uy, ux * ux + uy * uy};
 }
 
+// Triangles whose circles a later point may touch. Those taken out leave a circle that no point touches, and are
+// swept out together.
+class OpenTriangles {
+ public:
+  void add(const Circled& t) {
+    if (end_ == corner_.size()) grow();
+    x_[end_] = t.x;
+    y_[end_] = t.y;
+    squared_radius_[end_] = t.squared_radius;
+    corner_[end_++] = t.corner;
+  }
+  // Takes out all whose circle lies left of the point, and all whose circle holds it; calls one of the two with each,
+  // oldest first.
+  template <class Left, class Held>
+  void take(Place at, Left left, Held held) {
+    for (std::size_t first = 0; first < end_; first += kLanes) {
+      if (!touches(at, first)) continue;
+      for (std::size_t i = first; i < first + kLanes; ++i) {
+        const double dx = at.x - x_[i], dy = at.y - y_[i];
+        if (dx > 0 && dx * dx > squared_radius_[i])
+          left(corner_[i]);
+        else if (dx * dx + dy * dy < squared_radius_[i])
+          held(corner_[i]);
+        else
+          continue;
+        close(i);
+        ++closed_;
+      }
+    }
+    if (closed_ > end_ / 4) sweep();
+  }
+  template <class F>
+  void each(F f) const {
+    for (std::size_t i = 0; i < end_; ++i)
+      if (x_[i] < kClosed) f(corner_[i]);
+  }
+
+ private:
+  static constexpr std::size_t kLanes = 4;
+  static constexpr double kClosed = 1e200;  // its square is infinite
+  using Two = double __attribute__((vector_size(16)));
+  [[gnu::always_inline]] static Two load(const double* from) {
+    Two two;
+    std::memcpy(&two, from, sizeof two);
+    return two;
+  }
+  // Inlined even where the file is compiled for size: this is nearly all the work.
+  [[gnu::always_inline]] bool touches(Place at, std::size_t first) const {
+    const Two x = {at.x, at.x}, y = {at.y, at.y};
+    const double *xs = x_.data() + first, *ys = y_.data() + first, *radii = squared_radius_.data() + first;
+    const Two dx = x - load(xs), dx_next = x - load(xs + 2);
+    const Two dy = y - load(ys), dy_next = y - load(ys + 2);
+    const Two across = dx * dx, across_next = dx_next * dx_next;
+    const Two radius = load(radii), radius_next = load(radii + 2);
+    const auto any =
+        (((dx > Two{}) & (across > radius)) | (across + dy * dy < radius)) |
+        (((dx_next > Two{}) & (across_next > radius_next)) | (across_next + dy_next * dy_next < radius_next));
+    return (any[0] | any[1]) != 0;
+  }
+  void close(std::size_t i) {
+    x_[i] = kClosed;
+    squared_radius_[i] = -1;
+  }
+  void grow() {
+    for (std::vector<double>* list : {&x_, &y_, &squared_radius_}) list->resize(end_ + kLanes);
+    corner_.resize(end_ + kLanes);
+    for (std::size_t i = end_; i < end_ + kLanes; ++i) close(i);
+  }
+  void sweep() {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < end_; ++i) {
+      if (x_[i] >= kClosed) continue;
+      x_[kept] = x_[i];
+      y_[kept] = y_[i];
+      squared_radius_[kept] = squared_radius_[i];
+      corner_[kept++] = corner_[i];
+    }
+    for (std::size_t i = kept; i < end_; ++i) close(i);
+    end_ = kept;
+    closed_ = 0;
+  }
+  std::vector<double> x_, y_, squared_radius_;  // of whole kLanes
+  std::vector<std::array<int, 3>> corner_;
+  std::size_t end_ = 0, closed_ = 0;
+};
+
 // Points are inserted from left to right, so a triangle whose circle lies left of the next point is final.
 std::vector<std::array<int, 3>> delaunay(const std::vector<Place>& points) {
   std::vector<Place> p = points;
@@ -85,38 +172,31 @@ std::vector<std::array<int, 3>> delaunay(const std::vector<Place>& points) {
     const Place &l = p[static_cast<std::size_t>(a)], &r = p[static_cast<std::size_t>(b)];
     return l.x != r.x ? l.x < r.x : l.y < r.y;
   });
-  std::vector<Circled> open = {circled(p, count, count + 1, count + 2)}, done;
+  std::vector<std::array<int, 3>> out;
+  const auto keep = [&](const std::array<int, 3>& corner) {
+    if (corner[0] < count && corner[1] < count && corner[2] < count) out.push_back(corner);
+  };
+  OpenTriangles open;
+  open.add(circled(p, count, count + 1, count + 2));
   std::vector<std::pair<int, int>> rim;  // directed edges of the hole that no second triangle has
   for (const int i : order) {
-    const Place at = p[static_cast<std::size_t>(i)];
     rim.clear();
-    std::size_t kept = 0;
-    for (const Circled& t : open) {
-      const double dx = at.x - t.x, dy = at.y - t.y;
-      if (dx > 0 && dx * dx > t.squared_radius) {
-        done.push_back(t);
-      } else if (dx * dx + dy * dy < t.squared_radius) {
-        for (std::size_t k = 0; k < 3; ++k) {
-          const std::pair<int, int> edge = {t.corner[k], t.corner[(k + 1) % 3]};
-          const auto other = std::find(rim.begin(), rim.end(), std::pair{edge.second, edge.first});
-          if (other == rim.end())
-            rim.push_back(edge);
-          else
-            rim.erase(other);
+    open.take(p[static_cast<std::size_t>(i)], keep, [&](const std::array<int, 3>& corner) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::pair<int, int> edge = {corner[k], corner[(k + 1) % 3]};
+        const auto other = std::find(rim.begin(), rim.end(), std::pair{edge.second, edge.first});
+        if (other == rim.end()) {
+          rim.push_back(edge);
+        } else {
+          *other = rim.back();
+          rim.pop_back();
         }
-      } else {
-        if (&open[kept] != &t) open[kept] = t;
-        ++kept;
       }
-    }
-    open.erase(open.begin() + static_cast<std::ptrdiff_t>(kept), open.end());
+    });
     std::sort(rim.begin(), rim.end());
-    for (const auto& [from, to] : rim) open.push_back(circled(p, from, to, i));
+    for (const auto& [from, to] : rim) open.add(circled(p, from, to, i));
   }
-  done.insert(done.end(), open.begin(), open.end());
-  std::vector<std::array<int, 3>> out;
-  for (const Circled& t : done)
-    if (t.corner[0] < count && t.corner[1] < count && t.corner[2] < count) out.push_back(t.corner);
+  open.each(keep);
   return out;
 }
 

@@ -79,13 +79,12 @@ Vec3f point_of(DepthView depth, const Intrinsics& k, int u, int v) {
   return unproject(k, static_cast<float>(u), static_cast<float>(v), static_cast<float>(depth.at(u, v)));
 }
 
-// The lower half of the mask's pixels, every `step`th.
+// The mask's pixels in a row, every `step`th.
 template <class See>
-void look_at_legs(DepthView depth, MaskView mask, const Intrinsics& k, const Person& person, int step,
-                  const See& see) {
-  for (int v = (person.v_min + person.v_max) / 2; v <= person.v_max; v += step)
-    for (int u = person.u_min; u <= person.u_max; u += step)
-      if (mask.at(u, v) != 0 && depth.at(u, v) != 0) see(point_of(depth, k, u, v));
+void look_at_row(DepthView depth, MaskView mask, const Intrinsics& k, const Person& person, int step, int v,
+                 const See& see) {
+  for (int u = person.u_min; u <= person.u_max; u += step)
+    if (mask.at(u, v) != 0 && depth.at(u, v) != 0) see(point_of(depth, k, u, v));
 }
 
 struct Feet {
@@ -93,17 +92,30 @@ struct Feet {
   int count = 0;
 };
 
-// The mask above its own lowest point: the floor may lie far below.
+// The mask above its own lowest point: the floor may lie far below. Of the lower half, where few rows have feet.
 Feet feet_of(DepthView depth, MaskView mask, const Intrinsics& k, const Person& person, int step) {
   const FloorPlane& floor = person.floor;
-  float lowest = std::numeric_limits<float>::max();
-  look_at_legs(depth, mask, k, person, step, [&](Vec3f p) { lowest = std::min(lowest, dot(floor.up, p)); });
+  const int first = (person.v_min + person.v_max) / 2;
+  constexpr float kNone = std::numeric_limits<float>::max();
+  std::array<float, kGroundAcross> lowest_in{};  // of each row: a step makes them fewer
+  float lowest = kNone;
+  std::size_t row = 0;
+  for (int v = first; v <= person.v_max && row < lowest_in.size(); v += step) {
+    float in_row = kNone;
+    look_at_row(depth, mask, k, person, step, v, [&](Vec3f p) { in_row = std::min(in_row, dot(floor.up, p)); });
+    lowest_in[row++] = in_row;
+    lowest = std::min(lowest, in_row);
+  }
   Feet feet;
-  look_at_legs(depth, mask, k, person, step, [&](Vec3f p) {
-    if (dot(floor.up, p) > lowest + kFeetTopMm) return;
-    feet.sum = feet.sum + p;
-    ++feet.count;
-  });
+  row = 0;
+  for (int v = first; v <= person.v_max && row < lowest_in.size(); v += step) {
+    if (lowest_in[row++] > lowest + kFeetTopMm) continue;
+    look_at_row(depth, mask, k, person, step, v, [&](Vec3f p) {
+      if (dot(floor.up, p) > lowest + kFeetTopMm) return;
+      feet.sum = feet.sum + p;
+      ++feet.count;
+    });
+  }
   return feet;
 }
 

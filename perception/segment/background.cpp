@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
 #include "perception/segment/person_tracker.h"
 
@@ -32,6 +33,22 @@ namespace {
 // Noise and rounding of a still surface, mm: 10 and some more than a disparity step.
 int tolerance_mm(std::uint16_t z) {
   return 10 + static_cast<int>((std::uint32_t{z} * z) >> 16 >> 2);
+}
+
+// The whole depths that are less than kKeepoutDepthMm from z_mm.
+struct Depths {
+  int first = 0, count = 0;
+};
+Depths depths_about(float z_mm) {
+  constexpr int kMost = std::numeric_limits<std::uint16_t>::max();
+  const auto near = [&](int depth) { return std::fabs(static_cast<float>(depth) - z_mm) < kKeepoutDepthMm; };
+  if (!(z_mm > -kKeepoutDepthMm && z_mm < static_cast<float>(kMost) + kKeepoutDepthMm)) return {};
+  // Not farther off than a rounded difference is.
+  int first = std::clamp(static_cast<int>(z_mm - kKeepoutDepthMm) - 1, 0, kMost);
+  int last = std::clamp(static_cast<int>(z_mm + kKeepoutDepthMm) + 1, 0, kMost);
+  while (first <= last && !near(first)) ++first;
+  while (last >= first && !near(last)) --last;
+  return {first, last - first + 1};
 }
 
 }  // namespace
@@ -81,11 +98,14 @@ void Background::keep_out(const Grid& grid, std::span<const Keepout> keepouts) {
     const int beside = static_cast<int>(kKeepoutMm * grid.intrinsics.fx / (static_cast<float>(grid.step) * k.z_mm));
     const int c_min = std::max(0, k.c_min - beside);
     const int c_max = std::min(grid.width - 1, k.c_max + beside);
+    const Depths kept = depths_about(k.z_mm);
+    if (kept.count == 0) continue;
+    const auto first = static_cast<std::uint16_t>(kept.first), last = static_cast<std::uint16_t>(kept.count - 1);
     for (int r = 0; r < grid.height; ++r) {
-      for (int c = c_min; c <= c_max; ++c) {
-        const auto i = at(grid.index(c, r));
-        if (std::fabs(static_cast<float>(grid.depth[i]) - k.z_mm) < kKeepoutDepthMm) kept_out_[i] = 1;
-      }
+      const std::uint16_t* depth = grid.depth.data() + grid.index(0, r);
+      std::uint8_t* __restrict out = kept_out_.data() + grid.index(0, r);
+      for (int c = c_min; c <= c_max; ++c)
+        out[c] = static_cast<std::uint8_t>(out[c] | (static_cast<std::uint16_t>(depth[c] - first) <= last ? 1 : 0));
     }
   }
 }

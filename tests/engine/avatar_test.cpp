@@ -145,6 +145,10 @@ TEST_F(BodyOfGoals, BeyondTheModelGivesTheNearestAndSaysHowFar) {
   const auto answered = body_of_goals(fitter, {}, well_known(wanted), test::standing_joints(false), {});
   ASSERT_TRUE(answered);
   EXPECT_EQ(fitter.measured().values(), answered->fit.values);  // of the nearest, whichever step found it
+  std::vector<Vec3f> mesh(static_cast<std::size_t>(model_->vertex_count()));
+  model_->morph(answered->params, mesh);
+  ASSERT_EQ(answered->rest.size(), mesh.size());
+  for (std::size_t v = 0; v < mesh.size(); ++v) ASSERT_EQ(norm(answered->rest[v] - mesh[v]), 0) << "vertex " << v;
   EXPECT_GT(body::girth_residual_mm(answered->fit.residual), 20);
 }
 
