@@ -37,10 +37,10 @@ struct TurnOutcome {
   float yaw_error_deg = 0;  // mean absolute, of the followed frames
   float surface_mm = 0;     // mean over the views
   std::vector<float> views_deg;
-  // Chest, waist and hip: height of the section less the true one (NaN: no section), and the girth of the fitted body at
-  // the true height less the true girth.
-  // Mid-thigh, calf and upper arm (data/tape): the truth, of the fused surface, and of the one body that the product
-  // would answer with (docs/one-body.md), its values being those measured here.
+  // Chest, waist and hip: height of the section less the true one (NaN: no section), and the girth of the fitted body
+  // at the true height less the true girth. Mid-thigh, calf and upper arm (data/tape): the truth, of the fused
+  // surface, and of the one body that the product would answer with (docs/one-body.md), its values being those
+  // measured here.
   std::array<float, kTurnLimbCount> true_limbs{}, fused_limbs{}, answered_limbs{};
   bool has_levels = false;
   std::array<float, 3> level_error_mm{}, at_true_level_mm{};
