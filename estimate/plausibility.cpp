@@ -34,6 +34,7 @@ constexpr float kRaisedTooTallMm = 5, kRaisedTwoSdMm = 12;
 // Toes lie 110 to 185 in front of the shin of 24 people as they are, 137 to 210 of 24 in shoes and clothes, 53 to 125
 // of 24 with heels raised by 50 to 95. Less three times the ankle's front, which tells how the shin leans: 131 and
 // more against 29 to 104. Those 24 read 33 to 66 too tall; [people] [scenes]
+constexpr float kToeReachStatureMm = 1700;  // of the figures
 constexpr float kToeReachMin = 130, kToeReachOfLeanMin = 115, kReachALean = 3;
 constexpr float kHeelsTooTallMm = 48, kHeelsTwoSdMm = 30;
 
@@ -82,9 +83,12 @@ float seen_stature(const Fuser::Description& described) {
          kCrownAboveMm;
 }
 
-bool heels_raised(const SurroundingsSigns& signs) {
-  return signs.feet_known && signs.toe_reach_mm < kToeReachMin &&
-         signs.toe_reach_mm - kReachALean * signs.ankle_ahead_mm < kToeReachOfLeanMin;
+// Feet are as long as people are tall.
+bool heels_raised(const SurroundingsSigns& signs, float seen_stature_mm) {
+  const float scale = kToeReachStatureMm / seen_stature_mm;
+  const float reach = signs.toe_reach_mm * scale;
+  return signs.feet_known && reach < kToeReachMin &&
+         reach - kReachALean * scale * signs.ankle_ahead_mm < kToeReachOfLeanMin;
 }
 
 bool crown_lost(const SurroundingsSigns& signs, float flatness) {
@@ -139,7 +143,7 @@ Plausibility judge(const SurroundingsSigns& signs, const Fuser::Description& des
     out.refused = bit_of(Guidance::out_of_population);
     return out;
   }
-  if (out.ground_mm == 0 && heels_raised(signs)) out.heels_mm = kHeelsTooTallMm;
+  if (out.ground_mm == 0 && heels_raised(signs, out.seen_stature_mm)) out.heels_mm = kHeelsTooTallMm;
   if (out.ground_mm > 0 || out.heels_mm > 0) out.beside |= bit_of(Guidance::feet_raised);
   if (lost) out.beside |= bit_of(Guidance::head_unseen);
   return out;
