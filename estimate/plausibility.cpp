@@ -31,6 +31,13 @@ constexpr float kGroundShareMin = 0.35F;
 // tall, and two SD of it; [scenes]
 constexpr float kRaisedTooTallMm = 5, kRaisedTwoSdMm = 12;
 
+// Toes lie 110 to 185 in front of the shin of 24 people as they are, 137 to 210 of 24 in shoes and clothes, 53 to 125
+// of 24 with heels raised by 50 to 95. Less three times the ankle's front, which tells how the shin leans: 131 and
+// more against 29 to 104. Those 24 read 33 to 66 too tall; [people] [scenes]
+constexpr float kToeReachStatureMm = 1700;  // of the figures
+constexpr float kToeReachMin = 130, kToeReachOfLeanMin = 115, kReachALean = 3;
+constexpr float kHeelsTooTallMm = 48, kHeelsTwoSdMm = 30;
+
 // Crowns have up to 0.55, and up to 0.45 of the pixels above them are lost; [people]. Where the background is not
 // seen either, lost pixels mean nothing.
 constexpr float kFlatMin = 0.5F, kFlatAloneMin = 0.62F;
@@ -39,6 +46,13 @@ constexpr float kLostMin = 0.5F;
 constexpr float kClosedAboveMm = 60;
 constexpr float kClosedMissingMm = 9, kClosedTwoSdMm = 14;
 constexpr float kFollowedMissingMm = 40, kFollowedTwoSdMm = 22;
+
+// The answer's stature less the crown as seen: -10 to 12 of 24 people as they are, -62 to -10 of 24 in clothes, shoes
+// and hair. Of 19 in a skirt to the floor over shoes, which the fit takes for legs, it is -147 to 67; of a crown
+// whose loss was not noticed, 34. Both then stand in the interval, with two SD of soles and hair and of such a crown;
+// [scenes]
+constexpr float kOverSeenMaxMm = 24, kOverSeenClothedMaxMm = 0, kUnderSeenMaxMm = 80;
+constexpr float kWornMostMm = 65, kSeenTwoSdMm = 15, kAnswerTwoSdMm = 40;
 
 }  // namespace im2fit::plausibility_limits
 
@@ -67,6 +81,14 @@ float bend_deg(const body::PosedSkeleton& bones, body::Segment thigh) {
 float seen_stature(const Fuser::Description& described) {
   return described.feature[kPaperFeatureSize + static_cast<std::size_t>(ProfileLayout::kCrown) + kCrownOf500Mm2] +
          kCrownAboveMm;
+}
+
+// Feet are as long as people are tall.
+bool heels_raised(const SurroundingsSigns& signs, float seen_stature_mm) {
+  const float scale = kToeReachStatureMm / seen_stature_mm;
+  const float reach = signs.toe_reach_mm * scale;
+  return signs.feet_known && reach < kToeReachMin &&
+         reach - kReachALean * scale * signs.ankle_ahead_mm < kToeReachOfLeanMin;
 }
 
 bool crown_lost(const SurroundingsSigns& signs, float flatness) {
@@ -121,14 +143,37 @@ Plausibility judge(const SurroundingsSigns& signs, const Fuser::Description& des
     out.refused = bit_of(Guidance::out_of_population);
     return out;
   }
-  if (out.ground_mm > 0) out.beside |= bit_of(Guidance::feet_raised);
+  if (out.ground_mm == 0 && heels_raised(signs, out.seen_stature_mm)) out.heels_mm = kHeelsTooTallMm;
+  if (out.ground_mm > 0 || out.heels_mm > 0) out.beside |= bit_of(Guidance::feet_raised);
   if (lost) out.beside |= bit_of(Guidance::head_unseen);
   return out;
 }
 
+namespace {
+
+// What the body fitted says against what is seen.
+void reconcile(float seen_mm, bool clothed, index::IntervalEstimate& stature) {
+  const float over = stature.value - seen_mm;
+  const bool above = over > (clothed ? kOverSeenClothedMaxMm : kOverSeenMaxMm);
+  if (!above && !(over < -kUnderSeenMaxMm)) return;
+  const float highest = seen_mm + (above ? kFollowedMissingMm + kFollowedTwoSdMm : kSeenTwoSdMm);
+  stature.low = std::min({stature.low, stature.value - kAnswerTwoSdMm, seen_mm - kWornMostMm});
+  stature.high = std::max(stature.high, highest);
+  stature.value = 0.5F * (stature.value + seen_mm);
+}
+
+}  // namespace
+
 void correct(const Plausibility& plausibility, index::Answer& answer) {
   index::IntervalEstimate& stature = answer.measurements[measurement_index(Measurement::stature)];
-  if (has(plausibility.beside, Guidance::feet_raised)) {
+  // A crown that is known to lack is counted below.
+  if (!has(plausibility.beside, Guidance::head_unseen))
+    reconcile(plausibility.seen_stature_mm, answer.clothed, stature);
+  if (plausibility.heels_mm > 0) {
+    stature.value -= plausibility.heels_mm;
+    stature.low -= plausibility.heels_mm + kHeelsTwoSdMm;
+    stature.high -= plausibility.heels_mm - kHeelsTwoSdMm;
+  } else if (has(plausibility.beside, Guidance::feet_raised)) {
     stature.value -= kRaisedTooTallMm;
     stature.low -= kRaisedTooTallMm + kRaisedTwoSdMm;
   }

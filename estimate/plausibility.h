@@ -8,7 +8,9 @@
 //   NOT_UPRIGHT         both knees of the fitted pose are bent           no answer
 //   OUT_OF_POPULATION   crown over floor as seen, before people count    no answer
 //   FEET_RAISED         the ground about the feet is level, above floor  heights count from that ground
+//   FEET_RAISED         toes are too near the shin for flat feet: heels  stature lowered, interval wider downwards
 //   HEAD_UNSEEN         the head ends flat below pixels without depth    stature raised, interval wider upwards
+//   none                the fitted stature is not that of the crown      both in the stature's interval
 #pragma once
 
 #include <limits>
@@ -39,6 +41,7 @@ struct Plausibility {
   float knees_deg = std::numeric_limits<float>::quiet_NaN();
   float seen_stature_mm = std::numeric_limits<float>::quiet_NaN();
   float ground_mm = 0;         // of the ground that the feet stand on, above the floor, where it counts
+  float heels_mm = 0;          // by which raised heels make taller, about; 0 where none are seen
   float crown_missing_mm = 0;  // added to the stature
 };
 

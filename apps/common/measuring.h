@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/common/paths.h"
+#include "apps/common/region_text.h"
 #include "estimate/known_facts.h"
 #include "person/measuring_data.h"
 #include "report/result_json.h"
@@ -34,10 +35,6 @@ struct MeasuringOptions {
   bool rest = false;               // as EngineSettings; recordings never rest
 };
 
-// The region that a text "x0,z0,x1,z1" means, in metres on the floor. No value for any other text.
-std::optional<FloorRegion> region_of(const std::string& text);
-// The fault in such a text, "" for none.
-std::string region_fault(const std::string& text);
 // "nearest": 0, or an id; nothing: it is neither.
 std::optional<int> user_of(const std::string& word);
 

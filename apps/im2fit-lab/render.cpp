@@ -137,7 +137,7 @@ void add_render(cli::App& app, Command& chosen) {
       ->one_of({"noise", "bare"})
       ->capture_default_str();
   sub->add_option("--pose", options->pose, "Pose of the person")
-      ->one_of({"relaxed", "arms_out", "a_pose", "psi", "free", "bowed", "squat"})
+      ->one_of({"relaxed", "arms_out", "a_pose", "psi", "free", "bowed", "squat", "bent_knees", "arm_raised"})
       ->capture_default_str();
   sub->add_option("--distance", person.scene.distance_mm,
                   "Distance from camera to person, mm; 0: the whole person fits into the picture")

@@ -20,11 +20,15 @@ struct PageFile {
   std::string bytes;
 };
 
+class LaterAnswer;  // chores.h
+
 // To a request with a query.
 struct PageAnswer {
-  unsigned status = 200;                 // HTTP
-  std::shared_ptr<const PageFile> file;  // with 200
-  std::string text;                      // else a line for people
+  unsigned status = 200;                           // HTTP
+  std::shared_ptr<const PageFile> file = nullptr;  // with 200
+  std::string text = {};                           // else a line for people
+  // Not null: the answer that another thread is working on, in place of all of the above.
+  std::shared_ptr<const LaterAnswer> later = nullptr;
 };
 
 class Board {

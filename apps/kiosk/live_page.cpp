@@ -250,10 +250,13 @@ PageAnswer LivePage::act(PageAction action, std::string_view visit, std::string_
         break;
     }
   }
-  if (!folder.empty() && settings_.erase_folder) settings_.erase_folder(folder);
-  const Status gone = erased != 0 ? delete_recording(erased, true) : Status(Ok{});
-  if (!gone) return {500, nullptr, "the recording was not deleted: " + gone.error().message};
-  return {200, nullptr, "done"};
+  if (erased == 0) return {200, nullptr, "done"};
+  return chores_.run([this, folder, erased]() -> PageAnswer {
+    if (!folder.empty() && settings_.erase_folder) settings_.erase_folder(folder);
+    if (const Status gone = delete_recording(erased, true); !gone)
+      return {500, nullptr, "the recording was not deleted: " + gone.error().message};
+    return {200, nullptr, "done"};
+  });
 }
 
 // Only the page that requested the code receives it.
@@ -318,7 +321,11 @@ void LivePage::tick() {
         publish_beat();
       }
     }
-    if (over != 0) (void)delete_recording(over, false);
+    if (over != 0)
+      chores_.run([this, over]() -> PageAnswer {
+        (void)delete_recording(over, false);
+        return {};
+      });
     if (statistics_ && ticks % kTicksPerBeat == 0)
       if (const auto written = statistics_->flush(); !written && !std::exchange(statistics_failed, true))
         print_error(written.error().message + "; visits are counted on and written when that works");

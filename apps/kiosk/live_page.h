@@ -19,6 +19,7 @@
 #include "apps/common/reported_facts.h"
 #include "apps/kiosk/avatar_animator.h"
 #include "apps/kiosk/board.h"
+#include "apps/kiosk/chores.h"
 #include "apps/kiosk/fitting_room.h"
 #include "apps/kiosk/hand_over.h"
 #include "apps/kiosk/operator_desk.h"
@@ -88,7 +89,7 @@ class LivePage {
   using Clock = std::chrono::steady_clock;
   explicit LivePage(const LivePageSettings& settings);
   // These hold visit_mutex_, but not while a recording is deleted: the engine's frames need it, and a disk may be
-  // slow.
+  // slow. Deletions are chores: neither the server's thread nor the keeper waits for them.
   PageAnswer act(PageAction action, std::string_view visit, std::string_view note);
   PageAnswer offer(std::string_view visit);
   PageAnswer take(std::string_view token);
@@ -136,6 +137,7 @@ class LivePage {
   std::unique_ptr<OperatorDesk> desk_;                     // null: no operator
   std::uint64_t desk_visit_ = 0;                           // the last visit that the operator began
   std::thread keeper_;
+  Chores chores_;  // deletions
   HandOver hand_over_;
   Board phone_board_;  // nothing stands on it
   // Last: they refer to the boards, the fitting room and the desk.

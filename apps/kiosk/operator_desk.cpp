@@ -19,6 +19,8 @@ constexpr std::size_t kPictureBytesMax = std::size_t{8} << 20;
 constexpr std::size_t kNumberCharactersMax = 20;
 constexpr std::size_t kRegionCharactersMax = 64;
 // A person who comes is found within a second; after a diagnosis the next one waits, because it takes its time.
+constexpr auto kPlanPeriod = std::chrono::milliseconds(500);
+constexpr auto kPlanPeopleFor = std::chrono::seconds(2);  // a plan without news shows the room alone
 constexpr std::int64_t kEmptyNs = 2'000'000'000, kLookPeriodNs = 5'000'000'000;
 
 PageAnswer said(unsigned status, const std::string& text) {
@@ -79,6 +81,7 @@ void OperatorDesk::use_source(const hal::SourceInfo& source, const sessions::Ver
   region_ = {region_.count + 1, region_of(region_text_)};
   diagnose_ = std::move(diagnose);
   diagnosis_ = {};
+  plans_ = 0;
 }
 
 OperatorRegion OperatorDesk::region() const {
@@ -86,7 +89,39 @@ OperatorRegion OperatorDesk::region() const {
   return region_;
 }
 
+// Of the last frame that was long enough ago: twice a second is enough for a room.
+void OperatorDesk::draw_plan(const FrameSeen& frame) {
+  Intrinsics k;
+  const auto now = std::chrono::steady_clock::now();
+  {
+    const std::lock_guard lock(mutex_);
+    if (!has_source_ || (plans_ != 0 && now - planned_ < kPlanPeriod)) return;
+    k = source_.intrinsics;
+  }
+  if (!frame.result.floor.known || k.width != frame.depth.width || k.height != frame.depth.height) return;
+  const FloorPlan plan = floor_plan(frame.depth, frame.mask, k, frame.result.floor);
+  const std::lock_guard lock(mutex_);
+  plan_ = plan;
+  planned_ = now;
+  ++plans_;
+}
+
+PageAnswer OperatorDesk::plan() const {
+  FloorPlan plan;
+  bool people = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (plans_ == 0) return said(404, "the camera has not seen the floor yet");
+    plan = plan_;
+    people = std::chrono::steady_clock::now() - planned_ < kPlanPeopleFor;
+  }
+  auto png = picture_of(plan, people);
+  if (!png) return failed(png.error());
+  return {200, std::make_shared<const PageFile>(PageFile{"image/png", std::move(*png)}), ""};
+}
+
 void OperatorDesk::look(std::uint64_t visit, const FrameSeen& frame) {
+  draw_plan(frame);
   if (std::exchange(looked_visit_, visit) != visit) empty_since_ns_ = looked_ns_ = 0;
   const std::int64_t now = frame.info.host_ns;
   if (frame.result.user != 0 || !has(frame.result.guidance, Guidance::no_person)) {
@@ -140,6 +175,7 @@ Status OperatorDesk::visit_over(std::uint64_t visit, bool erased) {
   {
     const std::lock_guard lock(mutex_);
     diagnosis_ = {};
+    std::replace(plan_.cells.begin(), plan_.cells.end(), PlanCell::person, PlanCell::unseen);
     if (visit_ != visit || (phase_ != Phase::recording && !erased)) return Ok{};
     phase_ = Phase::idle;
     going.swap(recorder_);
@@ -177,6 +213,7 @@ PageAnswer OperatorDesk::get(const PageRequest& request) {
     return record ? json_answer(*parse_json<Json>(record->document, id)) : failed(record.error());
   }
   if (request.path == "/operator/picture") return picture(id, field_of(request, "number"));
+  if (request.path == "/operator/plan") return plan();
   if (request.path == "/operator/statistics.csv")
     return {200,
             std::make_shared<const PageFile>(
@@ -202,8 +239,10 @@ PageAnswer OperatorDesk::post(const PageRequest& request, const Json& body) {
   const std::string id = text_of(body, "id");
   if (request.path == "/operator/measure") return measure_again(id);
   if (request.path == "/operator/delete") {
-    const auto gone = sessions::remove(settings_.root, id);
-    return gone ? said(200, "deleted") : failed(gone.error());
+    return chores_.run([this, id] {
+      const auto gone = sessions::remove(settings_.root, id);
+      return gone ? said(200, "deleted") : failed(gone.error());
+    });
   }
   return said(404, "not found");
 }
@@ -221,6 +260,7 @@ PageAnswer OperatorDesk::state() const {
                          {"error", counts.error}};
   }
   json["region"] = {{"text", region_text_}, {"fixed", !settings_.settings.region.empty()}, {"error", region_error_}};
+  if (plans_ != 0) json["plan"] = {plans_, std::chrono::steady_clock::now() - planned_ < kPlanPeopleFor};
   if (diagnosis_.code != hal::DiagnosisCode::none)
     json["diagnosis"] = {{"code", std::string(hal::name_of(diagnosis_.code))},
                          {"unit_mm", diagnosis_.unit_mm},
@@ -285,7 +325,10 @@ PageAnswer OperatorDesk::discard() {
     result_.clear();
   }
   end_visit_(visit);
-  return said(200, "discarded");
+  return chores_.run([going = std::move(going)]() mutable {
+    going.reset();
+    return said(200, "discarded");
+  });
 }
 
 // Not while a person is recorded: the session has one region, within which it is measured again.

@@ -7,6 +7,7 @@
 // The person's own page shows that they are recorded, and its Delete also deletes the saved session.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -19,6 +20,8 @@
 
 #include "apps/common/events.h"
 #include "apps/common/operator_region.h"
+#include "apps/kiosk/chores.h"
+#include "apps/kiosk/floor_plan.h"
 #include "apps/kiosk/page_server.h"
 #include "apps/kiosk/shop_file.h"
 #include "apps/kiosk/statistics.h"
@@ -74,7 +77,8 @@ class OperatorDesk {
                   DiagnosePicture diagnose = nullptr);
   // Any thread.
   OperatorRegion region() const;
-  // Of every frame of a visit, recorded or not, on the engine's thread: finds out why no person is seen.
+  // Of every frame of a visit, recorded or not, on the engine's thread: keeps the floor's plan, and finds out why no
+  // person is seen.
   void look(std::uint64_t visit, const FrameSeen& frame);
   PageAnswer answer(const PageRequest& request);  // on the server's thread
 
@@ -106,6 +110,8 @@ class OperatorDesk {
   PageAnswer set_region(const Json& body);
   PageAnswer measure_again(const std::string& id);
   PageAnswer picture(const std::string& id, const std::string& number) const;
+  void draw_plan(const FrameSeen& frame);
+  PageAnswer plan() const;
   std::shared_ptr<VisitRecorder> recorder_of(std::uint64_t visit) const;
   void start_job(const std::string& kind, const std::string& id, std::function<void(Job&)> work);
 
@@ -128,12 +134,16 @@ class OperatorDesk {
   std::string region_text_;      // of the camera; "": everywhere
   std::string region_error_;     // why the kept one does not hold
   std::string region_at_begin_;  // of the recording; after the answer another may be set
+  FloorPlan plan_;
+  std::uint32_t plans_ = 0;  // another for each plan; 0: of this camera there is none
+  std::chrono::steady_clock::time_point planned_{};
   DiagnosePicture diagnose_;
   hal::DepthDiagnosis diagnosis_;
   std::uint64_t looked_visit_ = 0;                   // the engine's thread alone
   std::int64_t empty_since_ns_ = 0, looked_ns_ = 0;  // no person since; the last diagnosis. The engine's thread alone
   Job job_;
   std::thread job_thread_;
+  Chores chores_;  // deletions. Last: they refer to the rest
 };
 
 }  // namespace im2fit::apps

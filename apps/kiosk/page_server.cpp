@@ -21,6 +21,7 @@
 #include <utility>
 
 #include "apps/common/program.h"
+#include "apps/kiosk/chores.h"
 #include "apps/kiosk/host_check.h"
 #include "apps/kiosk/http_message.h"
 #include "apps/kiosk/listening_socket.h"
@@ -61,6 +62,7 @@ struct Upload {
   // Of a sign-in: its answer, and when that is sent.
   std::optional<OperatorGate::SignIn> sign_in;
   Clock::time_point due;
+  std::shared_ptr<const LaterAnswer> later;  // its answer, once another thread has it
 };
 
 // Of a server for phones, where "/" is handed.html.
@@ -104,9 +106,11 @@ struct PageServer::Parts {
   MHD_Result want_body(MHD_Connection* connection, Upload& upload, std::size_t bytes_max);
   MHD_Result use_body(MHD_Connection* connection, Upload& upload);
   MHD_Result answer_sign_in(MHD_Connection* connection, Upload& upload);
-  MHD_Result operate(MHD_Connection* connection, const Upload& upload);
+  MHD_Result operate(MHD_Connection* connection, Upload& upload);
+  MHD_Result answer_now_or_later(MHD_Connection* connection, Upload& upload, PageAnswer answer);
+  MHD_Result answer_later(MHD_Connection* connection, const Upload& upload);
   MHD_Result answer_file(MHD_Connection* connection, const WebFile& file);
-  MHD_Result answer_post(MHD_Connection* connection, std::string_view path);
+  MHD_Result answer_post(MHD_Connection* connection, Upload& upload);
   MHD_Result answer_phone(MHD_Connection* connection, const std::string& path);
   MHD_Result answer_stream(MHD_Connection* connection);
   static ssize_t read_stream(void* closure, std::uint64_t position, char* to, std::size_t room);
@@ -123,9 +127,10 @@ struct PageServer::Parts {
   Visitors visitors{VisitorLimits{}};
   std::string url, cookie;
   MHD_Daemon* daemon = nullptr;
-  std::mutex mutex;  // of streams, delayed and stopping
+  std::mutex mutex;  // of streams, delayed, awaiting and stopping
   std::list<Stream> streams;
-  std::vector<std::pair<MHD_Connection*, Clock::time_point>> delayed;  // suspended until then
+  std::vector<std::pair<MHD_Connection*, Clock::time_point>> delayed;                    // suspended until then
+  std::vector<std::pair<MHD_Connection*, std::shared_ptr<const LaterAnswer>>> awaiting;  // suspended until then
   bool stopping = false;
   std::atomic<int> watchers{0};
   std::thread keeper;
@@ -160,7 +165,7 @@ MHD_Result PageServer::Parts::answer(MHD_Connection* connection, std::string_vie
   const Field length = field_of(connection, "Content-Length");
   if (field_of(connection, "Transfer-Encoding").count > 0 || (length.count > 0 && length.value != "0")) return MHD_NO;
   if (handlers.take) return answer_phone(connection, path);
-  if (acts) return answer_post(connection, path);
+  if (acts) return answer_post(connection, upload);
   if (path == "/events")
     return method == "GET" ? answer_stream(connection) : send(connection, 200, copied(""), "text/event-stream");
   if (const WebFile* fixed = is_operators(path) ? nullptr : web_file(path)) return answer_file(connection, *fixed);
@@ -272,9 +277,25 @@ MHD_Result PageServer::Parts::answer_sign_in(MHD_Connection* connection, Upload&
   return send(connection, MHD_HTTP_OK, response, kPlainText);
 }
 
-MHD_Result PageServer::Parts::operate(MHD_Connection* connection, const Upload& upload) {
+MHD_Result PageServer::Parts::operate(MHD_Connection* connection, Upload& upload) {
   const auto query = query_of(connection);
-  return send_answer(connection, handlers.operate({upload.wanted, upload.path, upload.body, query}));
+  return answer_now_or_later(connection, upload, handlers.operate({upload.wanted, upload.path, upload.body, query}));
+}
+
+MHD_Result PageServer::Parts::answer_now_or_later(MHD_Connection* connection, Upload& upload, PageAnswer answer) {
+  if (!answer.later) return send_answer(connection, std::move(answer));
+  upload.later = std::move(answer.later);
+  return answer_later(connection, upload);
+}
+
+// The library calls again for a connection that was suspended and resumed.
+MHD_Result PageServer::Parts::answer_later(MHD_Connection* connection, const Upload& upload) {
+  if (auto given = upload.later->given()) return send_answer(connection, std::move(*given));
+  const std::lock_guard lock(mutex);
+  if (stopping) return MHD_NO;
+  awaiting.emplace_back(connection, upload.later);
+  MHD_suspend_connection(connection);
+  return MHD_YES;
 }
 
 // The token comes by a field that no other site's page may send unasked.
@@ -290,7 +311,8 @@ MHD_Result PageServer::Parts::answer_phone(MHD_Connection* connection, const std
   return answer_file(connection, *file);
 }
 
-MHD_Result PageServer::Parts::answer_post(MHD_Connection* connection, std::string_view path) {
+MHD_Result PageServer::Parts::answer_post(MHD_Connection* connection, Upload& upload) {
+  const std::string& path = upload.path;
   const Field origin = field_of(connection, "Origin"), visit = field_of(connection, "X-Im2fit-Visit");
   const Field note = field_of(connection, "X-Im2fit-Note");
   if (origin.count != 1 || visit.count != 1 || note.count > 1)
@@ -301,7 +323,7 @@ MHD_Result PageServer::Parts::answer_post(MHD_Connection* connection, std::strin
   if (path == kOffer) return send_answer(connection, handlers.offer(*visit.value));
   const auto* action =
       std::find_if(std::begin(kActions), std::end(kActions), [&](const auto& known) { return known.first == path; });
-  return send_answer(connection, handlers.act(action->second, *visit.value, text));
+  return answer_now_or_later(connection, upload, handlers.act(action->second, *visit.value, text));
 }
 
 MHD_Result PageServer::Parts::answer_file(MHD_Connection* connection, const WebFile& file) {
@@ -390,6 +412,11 @@ void PageServer::Parts::wake_delayed(Clock::time_point now) {
     MHD_resume_connection(one.first);
     return true;
   });
+  std::erase_if(awaiting, [&](const auto& one) {
+    if (!stopping && !one.second->given()) return false;
+    MHD_resume_connection(one.first);
+    return true;
+  });
 }
 
 void PageServer::Parts::keep() {
@@ -439,6 +466,7 @@ Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address,
       }
       auto& going = *static_cast<Upload*>(*request);
       const std::size_t count = std::exchange(*upload, 0);
+      if (going.later) return parts.answer_later(connection, going);
       if (!going.wanted) return MHD_YES;  // a refused method may have a body
       if (count == 0) return parts.use_body(connection, going);
       if (count > going.bytes_max - going.body.size()) return MHD_NO;

@@ -24,7 +24,7 @@ struct PageAddress {
 // What a page may ask for by POST, without a body.
 enum class PageAction { consent, touch, erase };
 // `visit`: the id that the page names (the field X-Im2fit-Visit), `note`: the page's note (X-Im2fit-Note), both at
-// most kActionTextMax long. On the server's thread. 409 when the visit is over.
+// most kActionTextMax long. On the server's thread, which must not wait for a disk. 409 when the visit is over.
 using PageActor = std::function<PageAnswer(PageAction action, std::string_view visit, std::string_view note)>;
 inline constexpr std::size_t kActionTextMax = 64;
 // The fields of the query of /tryon.glb or /cloth.bin, as they are. On the server's thread.
@@ -62,14 +62,14 @@ struct PageHandlers {
   PageTake take;
 };
 
-// One thread serves all connections, and waits for none of them: visitors.h limits their number and their time. A
-// request's header may have 16 KB. Only POST /facts and the operator's POST may have a body. host_check.h lists the
-// accepted hosts. GET and HEAD, and POST of /consent, /facts, /touch, /delete and /hand-over from the page itself:
-// with its Origin, which browsers always send with a POST, and with a field that a page of another site cannot send
-// without a preflight request (Fetch, CORS-preflight). Anybody gets the operator's page, which shows nothing before
-// POST /operator/sign-in with the password; everything else below it needs the session of that (operator_gate.h), and
-// POST also the Origin and the token from GET /operator/token, in the field X-Im2fit-Token. POST /operator/sign-out
-// ends it.
+// One thread serves all connections, and waits for none of them, nor for an answer that comes later (chores.h):
+// visitors.h limits their number and their time. A request's header may have 16 KB. Only POST /facts and the
+// operator's POST may have a body. host_check.h lists the accepted hosts. GET and HEAD, and POST of /consent, /facts,
+// /touch, /delete and /hand-over from the page itself: with its Origin, which browsers always send with a POST, and
+// with a field that a page of another site cannot send without a preflight request (Fetch, CORS-preflight). Anybody
+// gets the operator's page, which shows nothing before POST /operator/sign-in with the password; everything else
+// below it needs the session of that (operator_gate.h), and POST also the Origin and the token from GET
+// /operator/token, in the field X-Im2fit-Token. POST /operator/sign-out ends it.
 class PageServer {
  public:
   static constexpr int kWatchersMax = 8;  // streams at once; further ones are answered 503

@@ -194,7 +194,13 @@ double colour_contrast(std::string_view one, std::string_view other) {
 }
 
 Result<Shop> read_shop(const std::string& path) {
-  const auto json = read_json<Json>(path, kTextBytesMax);
+  const auto bytes = read_file(path, kTextBytesMax);
+  if (!bytes) return bytes.error();
+  return parse_shop({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path);
+}
+
+Result<Shop> parse_shop(std::string_view text, const std::string& path) {
+  const auto json = parse_json<Json>(text, path);
   if (!json) return json.error();
   return ShopReader(path).read(*json);
 }

@@ -33,6 +33,8 @@ struct Shop {
 
 // Errors: as read_file; corrupt, naming the file, the key and the reason.
 Result<Shop> read_shop(const std::string& path);
+// Of the file's text: `path` names it in errors, and its logo's name is relative to it.
+Result<Shop> parse_shop(std::string_view text, const std::string& path);
 // The style sheet of its colours.
 std::string shop_css(const Shop& shop);
 // What the page is told of it: "name", "logo" (whether there is one), "consent".

@@ -44,6 +44,10 @@ Result<std::string> small_picture(DepthView depth, MaskView mask) {
       pixels.push_back(grey_of(depth.row(row)[column], mask.pixels != nullptr && mask.row(row)[column] != 0));
     }
   }
+  return grey_png(pixels, width, height);
+}
+
+Result<std::string> grey_png(std::span<const std::uint8_t> pixels, int width, int height) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
   image.width = static_cast<png_uint_32>(width);

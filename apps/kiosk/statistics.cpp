@@ -28,15 +28,18 @@ bool is_period(const std::string& text, std::size_t characters) {
   return true;
 }
 
-// One cell of the table: a chart may name its sizes as it likes.
+// One cell of the table: a chart may name its sizes as it likes. Of such a cell it makes the same.
 std::string cell_of(const std::string& name) {
-  std::size_t end = std::min(name.size(), kNameBytesMax);
-  while (end < name.size() && end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0) == 0x80) --end;
-  std::string cell = printable(name.substr(0, end));
+  std::string cell = printable(name);
   std::replace_if(
       cell.begin(), cell.end(), [](char c) { return c == ',' || c == '"' || c == ';'; }, ' ');
+  cell.erase(0, std::min(cell.find_first_not_of(' '), cell.size()));  // readers leave out blanks at the ends
   // A spreadsheet would compute what begins like this.
   if (!cell.empty() && std::string_view("=+-@").find(cell.front()) != std::string_view::npos) cell.insert(0, 1, '\'');
+  std::size_t end = std::min(cell.size(), kNameBytesMax);
+  while (end < cell.size() && end > 0 && (static_cast<unsigned char>(cell[end]) & 0xC0) == 0x80) --end;
+  cell.resize(end);
+  cell.resize(cell.find_last_not_of(' ') + 1);
   return cell;
 }
 
@@ -51,14 +54,18 @@ std::string local_day() {
 }
 
 Result<std::unique_ptr<Statistics>> Statistics::open(const std::string& path) {
-  std::unique_ptr<Statistics> made(new Statistics(path));
   const auto bytes = read_file(path, kTextBytesMax);
   if (!bytes && bytes.error().code != ErrorCode::not_found) return bytes.error();
-  if (bytes)
-    if (auto read = made->read({reinterpret_cast<const char*>(bytes->data()), bytes->size()}); !read)
-      return read.error();
-  made->changed_ = true;  // found out now, and not with the first visit: the file cannot be written
-  if (auto written = made->flush(); !written) return written.error();
+  auto made = parse(bytes ? std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()) : kHead, path);
+  if (!made) return made;
+  (*made)->changed_ = true;  // found out now, and not with the first visit: the file cannot be written
+  if (auto written = (*made)->flush(); !written) return written.error();
+  return made;
+}
+
+Result<std::unique_ptr<Statistics>> Statistics::parse(const std::string& text, const std::string& path) {
+  std::unique_ptr<Statistics> made(new Statistics(path));
+  if (auto read = made->read(text); !read) return read.error();
   return made;
 }
 

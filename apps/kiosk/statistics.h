@@ -28,6 +28,8 @@ class Statistics {
   // Goes on with the file's counts; it need not exist. Errors: as read_file; corrupt, with the line; io, when the
   // file cannot be written.
   static Result<std::unique_ptr<Statistics>> open(const std::string& path);
+  // The counts of a file's text, as open() but that nothing is read or written yet.
+  static Result<std::unique_ptr<Statistics>> parse(const std::string& text, const std::string& path);
 
   void visit(const std::string& day);
   // `size`: as the chart names it; "": the chart has none.

@@ -234,14 +234,20 @@ Result<std::string> recording_of(const std::string& root, const std::string& id)
 Status remove(const std::string& root, const std::string& id) {
   const auto folder = folder_of(root, id);
   if (!folder) return folder.error();
-  const Directory held(root);
-  if (!held.lock()) return system_error("cannot lock", root);
   const std::string going = root + "/." + id + ".gone";
-  if (::rename(folder->c_str(), going.c_str()) != 0) return system_error("cannot delete", *folder);
+  const Directory going_folder(*folder);
+  (void)going_folder.lock_if_free();  // remove_left() leaves it alone
+  {
+    const Directory held(root);
+    if (!held.lock()) return system_error("cannot lock", root);
+    if (::rename(folder->c_str(), going.c_str()) != 0) return system_error("cannot delete", *folder);
+  }
+  // Without the lock, for which others wait to begin a session: the files may be many and the disk slow.
   std::error_code code;
   fs::remove_all(going, code);
   if (code) return Error{ErrorCode::io, "cannot delete all of " + going + ": " + code.message()};
-  remove_left(root);
+  const Directory held(root);
+  if (held.lock()) remove_left(root);
   held.sync();
   return Ok{};
 }

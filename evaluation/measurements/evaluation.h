@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -78,6 +79,9 @@ struct EvaluationOptions {
   std::shared_ptr<const OtherPeople> other;  // not null when the family is other
 };
 
+// Changes a picture as the engine is given it, upright; `k` is its.
+using PictureChange = std::function<void(const Intrinsics& k, const VirtualScene& scene, DepthImage upright)>;
+
 // The person `index` of an evaluation, and where the camera stands. `showing` 1: the second time.
 struct HeldOutPerson {
   Subject subject;
@@ -89,6 +93,8 @@ struct HeldOutPerson {
   float tremor_deg = 0;
   bool poses_told = false;
   KnownFacts known = {};
+  std::vector<Vec3f> rest = {};  // the mesh at rest in place of the subject's own; empty: its own
+  PictureChange change = {};     // of every picture; empty: none
 };
 HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index,
                           int showing = 0);

@@ -149,6 +149,7 @@ class Camera {
         smooths_(person.smoothed),
         scale_(person.camera_scale),
         edges_(person.edges),
+        change_(person.change),
         tremor_(person.tremor_deg, person.capture.seed, sensor),
         poses_told_(person.poses_told),
         seed_(person.capture.seed),
@@ -171,6 +172,7 @@ class Camera {
     if (scale_ != 1)
       for (std::uint16_t& depth_mm : delivered_) depth_mm = scaled(depth_mm);
     hal::rotate_upright(sensor_image_, rotate_deg_, image_);
+    if (change_) change_(upright_k_, scene, image_);
     return image_;
   }
 
@@ -183,6 +185,7 @@ class Camera {
   bool smooths_;
   float scale_;
   EdgeFilter edges_;
+  PictureChange change_;
   Tremor tremor_;
   bool poses_told_;
   std::uint64_t seed_;
@@ -193,13 +196,13 @@ class Camera {
 };
 
 constexpr int kFrontShown = 90;  // before the first step
-constexpr std::uint64_t kTurnStream = 0x7024E;
+constexpr std::uint64_t kSessionTurnStream = 0x7024E;
 
 // One scene: the person stands, steps round, and stands a second. `walk`: or is walked round.
 Status show_turn(Engine& engine, const SessionModels& models, const HeldOutPerson& person, float degrees, bool walk,
                  const JointWatch& watch) {
   const auto& capture = person.capture;
-  Rng rng = Rng::for_item(capture.seed, kTurnStream, 0);
+  Rng rng = Rng::for_item(capture.seed, kSessionTurnStream, 0);
   SceneOptions options = capture.scene;
   const double whole_s = walk ? rng.uniform(kWalkRoundSecondsMin, kWalkRoundSecondsMax)
                               : rng.uniform(kStepRoundSecondsMin, kStepRoundSecondsMax);
@@ -270,6 +273,7 @@ Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const H
     options.back_view = back;
     options.pose = pose;
     VirtualScene scene(models.body, person.subject, options, capture.sensor, capture.intrinsics, capture.seed);
+    if (!person.rest.empty()) scene.restage(person.subject, options, capture.sensor, capture.seed, person.rest);
     Camera camera(capture.intrinsics, person);
     for (int i = 0; i < shown_a_side && !(*engine)->result().measured; ++i, ++frame) {
       hal::FrameInfo info;
@@ -283,7 +287,7 @@ Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const H
       if (!back && now.state == SessionState::turning) break;  // the turn itself is not shown
       if (pose == StandingPose::relaxed && told_to_lift_arms(now, capture.frame_count)) {
         options.pose = pose = StandingPose::arms_out;
-        scene.restage(person.subject, options, capture.sensor, capture.seed);
+        scene.restage(person.subject, options, capture.sensor, capture.seed, person.rest);
       }
     }
   }

@@ -141,7 +141,7 @@ GuidanceSet Fuser::add(DepthView depth, MaskView mask, const Intrinsics& intrins
   w.fusion.add(depth, mask, person.u_min, person.v_min, person.u_max, person.v_max);
   w.noise.add(depth, mask, person.u_min, person.v_min, person.u_max, person.v_max);
   w.outline.add(depth, mask, person.u_min, person.v_min, person.u_max, person.v_max);
-  w.around.add(depth, mask, intrinsics, person);
+  w.around.add(depth, mask, intrinsics, person, detection.view == ViewSide::front);
   if (w.joints_count < kFramesMax) w.joints[static_cast<std::size_t>(w.joints_count++)] = detection.joints;
   if (person.floor.known) {
     w.up_sum = w.up_sum + person.floor.up;

@@ -22,6 +22,13 @@ constexpr float kGroundMinMm = -60, kGroundBinMm = 5;
 constexpr int kGroundBins = 64;
 constexpr int kGroundLevelBins = 4;  // of a level
 
+// Heights above the floor: toes, the front of the ankle, the shin above it.
+constexpr float kToesFromMm = 15, kToesToMm = 50, kAnkleFromMm = 100, kAnkleToMm = 130, kShinFromMm = 170,
+                kShinToMm = 230;
+constexpr float kToesBinMm = 5, kToesBehindMm = 400;
+constexpr float kToesFarthestShare = 0.97F;  // of their pixels lie behind
+constexpr int kFootPixelsMin = 30;           // at each of the three heights, over all frames
+
 constexpr float kAboveFromMm = 8, kAboveToMm = 90;  // the mask's topmost pixels are mixed with what is behind
 constexpr float kBesideFromMm = 140, kBesideToMm = 260;
 constexpr int kTopRows = 4;
@@ -136,10 +143,11 @@ struct LostShare {
 
 void Surroundings::reset() {
   sum_ = {};
+  feet_ = {};
   bends_tried_ = bends_ = grounds_ = heads_ = 0;
 }
 
-void Surroundings::add(DepthView depth, MaskView mask, const Intrinsics& k, const Person& person) {
+void Surroundings::add(DepthView depth, MaskView mask, const Intrinsics& k, const Person& person, bool facing) {
   if (person.floor.known && bends_tried_ < kBendFrames) {
     ++bends_tried_;
     const FloorBend one = bend_.run(depth, mask, k, person.floor);
@@ -148,16 +156,56 @@ void Surroundings::add(DepthView depth, MaskView mask, const Intrinsics& k, cons
       sum_.floor.bend += one.bend;
     }
   }
-  if (person.floor.known) add_ground(depth, mask, k, person);
+  if (person.floor.known) add_ground(depth, mask, k, person, facing);
   add_head(depth, mask, k, person);
 }
 
-void Surroundings::add_ground(DepthView depth, MaskView mask, const Intrinsics& k, const Person& person) {
+void Surroundings::add_feet(DepthView depth, MaskView mask, const Intrinsics& k, const Person& person, int step,
+                            Vec3f middle) {
+  const FloorPlane& floor = person.floor;
+  const Vec3f ahead = normalized(Vec3f{0, 0, 1} - floor.up * floor.up.z);
+  const Vec3f aside = cross(ahead, floor.up);
+  look_at_legs(depth, mask, k, person, step, [&](Vec3f p) {
+    const float height = dot(floor.up, p) + floor.camera_height_mm;
+    Foot& foot = feet_[dot(aside, p - middle) > 0 ? 1 : 0];
+    const float forward = -dot(ahead, p - middle);
+    if (height > kToesFromMm && height < kToesToMm) {
+      const float bin = (forward + kToesBehindMm) / kToesBinMm;
+      if (!(bin >= 0 && bin < kToesBins)) return;
+      ++foot.toes[static_cast<std::size_t>(bin)];
+      ++foot.toe_count;
+    } else if (height > kAnkleFromMm && height < kAnkleToMm) {
+      foot.ankle_sum += forward;
+      ++foot.ankle_count;
+    } else if (height > kShinFromMm && height < kShinToMm) {
+      foot.shin_sum += forward;
+      ++foot.shin_count;
+    }
+  });
+}
+
+void Surroundings::judge_feet(SurroundingsSigns& out) const {
+  for (const Foot& foot : feet_) {
+    if (std::min({foot.toe_count, foot.ankle_count, foot.shin_count}) < kFootPixelsMin) return;
+    const float shin = foot.shin_sum / static_cast<float>(foot.shin_count);
+    int behind = 0, bin = 0;
+    while (static_cast<float>(behind) < kToesFarthestShare * static_cast<float>(foot.toe_count))
+      behind += static_cast<int>(foot.toes[static_cast<std::size_t>(bin++)]);
+    const float toe = static_cast<float>(bin) * kToesBinMm - kToesBehindMm;
+    out.toe_reach_mm += 0.5F * (toe - shin);
+    out.ankle_ahead_mm += 0.5F * (foot.ankle_sum / static_cast<float>(foot.ankle_count) - shin);
+  }
+  out.feet_known = true;
+}
+
+void Surroundings::add_ground(DepthView depth, MaskView mask, const Intrinsics& k, const Person& person,
+                              bool facing) {
   const FloorPlane& floor = person.floor;
   const int step = std::max(1, (std::max(depth.width, depth.height) + kGroundAcross / 2) / kGroundAcross);
   const Feet feet = feet_of(depth, mask, k, person, step);
   if (feet.count < kFeetPixelsMin) return;
   const Vec3f middle = feet.sum * (1.0F / static_cast<float>(feet.count));
+  if (facing) add_feet(depth, mask, k, person, step, middle);
   if (!(middle.z > kGroundReachMm)) return;
   const int reach = static_cast<int>(kGroundReachMm * k.fx / (middle.z - kGroundReachMm)) + 1;
   const int centre_u = static_cast<int>(k.cx + k.fx * middle.x / middle.z);
@@ -214,6 +262,7 @@ SurroundingsSigns Surroundings::signs() const {
   mean(out.floor.bend, bends_);
   out.ground_known = grounds_ > 0;
   for (float* sum : {&out.ground_mm, &out.ground_share, &out.floor_share}) mean(*sum, grounds_);
+  judge_feet(out);
   out.above_known = heads_ > 0;
   for (float* sum : {&out.lost_above_share, &out.lost_beside_share}) mean(*sum, heads_);
   return out;

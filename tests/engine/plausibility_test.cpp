@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 namespace im2fit {
 namespace {
@@ -130,6 +131,80 @@ TEST(Plausibility, ACrownWithoutDepthIsToldAndWidensUpwards) {
   EXPECT_EQ(seen.judged().beside, 0U);
   seen.described.crown_flatness = 0.7F;
   EXPECT_EQ(seen.judged().beside, only(Guidance::head_unseen));
+}
+
+// Toes near the shin, but not of a shin that leans, of trousers over the shoe, or on a plate.
+TEST(Plausibility, RaisedHeelsAreToldAndTakenOff) {
+  Seen seen;
+  seen.signs.feet_known = true;
+  seen.signs.toe_reach_mm = 105;
+  seen.signs.ankle_ahead_mm = 8;
+  EXPECT_EQ(seen.judged().beside, only(Guidance::feet_raised));
+  EXPECT_EQ(seen.judged().ground_mm, 0);
+  index::Answer answer;
+  for (index::IntervalEstimate& e : answer.measurements) e = {1715, 1700, 1730};
+  correct(seen.judged(), answer);
+  const auto& stature = answer.measurements[measurement_index(Measurement::stature)];
+  EXPECT_NEAR(stature.value, 1667, 0.1F);
+  for (const float too_tall : {35.0F, 65.0F}) {
+    EXPECT_LT(stature.low, 1715 - too_tall);
+    EXPECT_GT(stature.high, 1715 - too_tall);
+  }
+  EXPECT_EQ(answer.measurements[measurement_index(Measurement::waist_girth)].value, 1715);
+  const auto told = [&](float reach_mm, float ahead_mm) {
+    Seen other = seen;
+    other.signs.toe_reach_mm = reach_mm;
+    other.signs.ankle_ahead_mm = ahead_mm;
+    return other.judged().beside;
+  };
+  EXPECT_EQ(told(110, -10), 0U) << "a shin that leans back";
+  EXPECT_EQ(told(165, 35), 0U) << "a trouser leg over the shoe";
+  EXPECT_NE(told(112, 0), 0U);
+  EXPECT_EQ(told(118, 0), 0U);
+  EXPECT_NE(told(126, 8), 0U);
+  EXPECT_EQ(told(134, 8), 0U);
+  Seen unknown = seen;
+  unknown.signs.feet_known = false;
+  EXPECT_EQ(unknown.judged().beside, 0U);
+  Seen plate = seen;
+  plate.signs.ground_mm = 40;
+  plate.signs.ground_share = 0.6F;
+  plate.signs.floor_share = 0.3F;
+  EXPECT_EQ(plate.judged().heels_mm, 0) << "that is what they stand on";
+}
+
+// A fitted body whose stature is not that of the crown: both are in the interval.
+TEST(Plausibility, AStatureThatIsNotTheOneSeenWidensItsInterval) {
+  const Plausibility judged = Seen().judged();  // the crown at 1722
+  const auto corrected = [&](float value, bool clothed, const Plausibility& of) {
+    index::Answer answer;
+    answer.clothed = clothed;
+    for (index::IntervalEstimate& e : answer.measurements) e = {value, value - 15, value + 15};
+    correct(of, answer);
+    return answer.measurements[measurement_index(Measurement::stature)];
+  };
+  for (const auto& [over, clothed, widened] : {std::tuple(20.0F, false, false),
+                                               {29.0F, false, true},
+                                               {-5.0F, true, false},
+                                               {5.0F, true, true},
+                                               {-70.0F, true, false},
+                                               {-90.0F, true, true},
+                                               {-90.0F, false, true}}) {
+    const index::IntervalEstimate stature = corrected(1722 + over, clothed, judged);
+    EXPECT_EQ(stature.high - stature.low > 31, widened) << over << clothed;
+    EXPECT_LE(stature.low, stature.value);
+    EXPECT_GE(stature.high, stature.value);
+    if (!widened) continue;
+    EXPECT_LE(stature.low, 1722 - 60) << "soles and hair of what is seen";
+    EXPECT_GE(stature.high, 1722 + 10);
+    EXPECT_LE(stature.low, 1722 + over - 35);
+  }
+  Plausibility unseen = judged;
+  unseen.seen_stature_mm = std::nanf("");
+  EXPECT_EQ(corrected(1900, false, unseen).value, 1900);
+  Plausibility crown = judged;
+  crown.beside = only(Guidance::head_unseen);
+  EXPECT_EQ(corrected(1760, false, crown).low, 1745) << "the crown is counted already";
 }
 
 TEST(Plausibility, AnOrdinaryAnswerIsNotCorrected) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sound input for the fuzzers of cameras, of texts and of the page to start from: write_camera_seeds DIRECTORY makes
 // camera_yaml/, oni_protocol/, kinect_recording/, bag_recording/, depth_picture/, folder_times/, pose_table/,
-// recorder_text/, scan/, size_chart/ and http/.
+// recorder_text/, scan/, shop/, regions/, statistics/, size_chart/ and http/.
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -162,6 +162,16 @@ int main(int argc, char** argv) {
        "\x03VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA "
        "binary_compressed\n" +
            std::string("\x0D\0\0\0\x0C\0\0\0\x0B", 9) + std::string(12, '\x3F')},
+      {"shop/whole",
+       R"({"schema": "im2fit.shop/1", "name": "Müller", "colours": {"light": {"accent": "#17566d", "paper": "#ffffff"},
+       "dark": {"accent": "#8fd0e6", "paper": "#15181c"}}, "consent": {"version": "2", "operator": "Müller GmbH",
+       "purpose": {"en": "to find your size", "de": "um Ihre Größe zu finden"}, "contact": "datenschutz@example.org"}})"},
+      {"shop/logo", R"({"schema": "im2fit.shop/1", "name": "Shop", "logo": "logo.png"})"},
+      {"regions/two", R"({"schema": "im2fit.regions/1", "cameras": {"Kinect": "-0.6,1.5,0.6,3", "a": "0,1,2,3"}})"},
+      {"regions/text", "-0.6,1.5,0.6,3"},
+      {"statistics/month",
+       "period,what,name,count\n2026-11-30,visits,,14\n2026-11-30,measured,,11\n2026-11,size,M,5\n"
+       "2026-11,not_measured,MOVING,2\n"},
       {"size_chart/chart",
        "# name: A\n# sex: any\n# unit: mm\n# source: x\n# date: 2020\nsize;low_mm;high_mm\nS;860,5;940\n"},
       {"size_chart/shop",

@@ -64,8 +64,11 @@ Result<StandingPose> pose_of(const std::string& word) {
   if (word == "bowed") return StandingPose::bowed;
   if (word == "arms_out") return StandingPose::arms_out;
   if (word == "squat") return StandingPose::squat;
-  return Error{ErrorCode::invalid_argument,
-               "no pose '" + word + "'; use relaxed, arms_out, a_pose, psi, free, bowed or squat"};
+  if (word == "bent_knees") return StandingPose::bent_knees;
+  if (word == "arm_raised") return StandingPose::arm_raised;
+  return Error{
+      ErrorCode::invalid_argument,
+      "no pose '" + word + "'; use relaxed, arms_out, a_pose, psi, free, bowed, squat, bent_knees or arm_raised"};
 }
 
 SyntheticPerson::SyntheticPerson(const body::BodyModel& model, const PersonOptions& options)

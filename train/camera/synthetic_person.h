@@ -37,7 +37,8 @@ SceneOptions furnished_room();
 SensorOptions sensor_of(bool noise);
 Result<Family> family_of(const std::string& word);  // paper | training | held_out
 std::string name_of(Family family);
-Result<StandingPose> pose_of(const std::string& word);  // relaxed | arms_out | a_pose | psi | free | bowed | squat
+Result<StandingPose> pose_of(
+    const std::string& word);  // relaxed | arms_out | a_pose | psi | free | bowed | squat | bent_knees | arm_raised
 
 class SyntheticPerson {
  public:

@@ -103,11 +103,14 @@ void VirtualScene::Impl::stage(const Subject& subject, std::span<const Vec3f> re
   view_ready = false;
   people_count = 1 + std::min(scene.others.size(), kBystandersMax);
   while (people.size() < people_count) people.emplace_back(model);
-  PersonPlan plan{scene.pose, scene.clothing, scene.hair,    scene.outfit_seed, {}, scene.back_view, scene.sway,
-                  scene.walk, scene.turn,     scene.dresser, scene.step_round};
+  PersonPlan plan{scene.pose, scene.clothing,  scene.hair,       scene.outfit_seed,
+                  {},         scene.back_view, scene.sway,       scene.walk,
+                  scene.turn, scene.dresser,   scene.step_round, scene.plate.height_mm};
   if (scene.yaw_deg <= kDrawnDeg) plan.yaw_deg = scene.yaw_deg;
   people[0].stage(subject, rest, plan, seed, 0, tailor_for(scene.clothing, scene.hair));
-  camera = place_camera(scene, people[0].surface(), intrinsics, seed);
+  vertices.assign(people[0].surface().begin(), people[0].surface().end());
+  for (Vec3f& p : vertices) p.y += scene.plate.height_mm;
+  camera = place_camera(scene, vertices, intrinsics, seed);
   stage_others();
   furnish();
 }
@@ -212,6 +215,9 @@ void VirtualScene::Impl::furnish() {
   }
   room = draw_room_plan(options, place, rng);
   append(seats, room.furniture);
+  const FloorPlate& plate = scene.plate;
+  if (plate.height_mm > 0)
+    add_box(room.furniture, {0, plate.height_mm / 2, 0}, {plate.side_mm, plate.height_mm, plate.side_mm});
 
   const Rigid to_sensor = world_to_sensor();
   planes.clear();

@@ -82,6 +82,7 @@ struct SceneOptions {
                                 // one would stand
   bool enlarge_to_fit = false;  // a given distance_mm, too, grows until the whole person fits (4.5 m at most)
   float pitch_limit_deg = 90;   // of a drawn pitch, up or down
+  FloorPlate plate;             // what the main person stands on
 };
 
 // A scene drawn once; frames differ by sensor noise and by sway. Not shareable between threads; the model must

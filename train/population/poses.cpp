@@ -53,6 +53,8 @@ ArmAngles draw_arm(StandingPose pose, Rng& rng, float spread_min_deg) {
     case StandingPose::psi:
       return {90 + gauss(rng, 8), gauss(rng, 6), 88 + gauss(rng, 9), 90 + gauss(rng, 9), gauss(rng, 8)};
     case StandingPose::squat:
+    case StandingPose::bent_knees:
+    case StandingPose::arm_raised:
     case StandingPose::arms_out:
       return {draw(rng, 30, 40), gauss(rng, 4), std::clamp(8 + gauss(rng, 5), 2.0F, 20.0F), gauss(rng, 12),
               gauss(rng, 8)};
@@ -127,6 +129,7 @@ class Builder {
       return;
     }
     if (pose_ == StandingPose::squat) bent_knee_deg_ = draw(rng_, 30, 100);
+    if (pose_ == StandingPose::bent_knees) bent_knee_deg_ = draw(rng_, 12, 45);
     rotation(Segment::pelvis) = about(kX, 0.12F * bent_knee_deg_) * (free() ? jitter(4, 0, 3) : jitter(1.5, 0, 1.0));
     rotation(Segment::abdomen) = rotation(Segment::pelvis) * (free() ? jitter(5, 5, 4) : jitter(1.5, 1.2, 1.0));
     rotation(Segment::chest) = rotation(Segment::abdomen) * (free() ? jitter(4, 5, 3) : jitter(1.5, 1.2, 1.0));
@@ -151,6 +154,8 @@ class Builder {
     const StandingPose kind = free_arms_ ? StandingPose::free : pose_;
     // People lift both arms about alike: half of the calm classes' difference is shared.
     const ArmAngles both = draw_arm(kind, rng_, spread_min_deg);
+    float raised = 0;  // no side
+    if (pose_ == StandingPose::arm_raised) raised = rng_.index(2) == 0 ? 1.0F : -1.0F;
     for (const float side : {1.0F, -1.0F}) {
       const Segment shoulder = side > 0 ? Segment::left_shoulder : Segment::right_shoulder;
       ArmAngles own = draw_arm(kind, rng_, spread_min_deg);
@@ -159,6 +164,7 @@ class Builder {
       if (!free_arms_)
         own = {(own.abduction + both.abduction) / 2, (own.flexion + both.flexion) / 2, (own.elbow + both.elbow) / 2,
                (own.elbow_turn + both.elbow_turn) / 2, own.twist};
+      if (side == raised) own = {draw(rng_, 110, 170), draw(rng_, -10, 30), draw(rng_, 5, 45), 90, 0};
       arm(shoulder, own, side);
     }
   }

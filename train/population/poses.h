@@ -20,6 +20,8 @@ enum class StandingPose {
   bowed,     // trunk bent from the hips by 24..56 degrees, forwards or to a side; arms relaxed or as when free
   arms_out,  // the guided pose for arms that rest on the body when hanging: abducted 30..40 degrees, nearly straight
   squat,     // both knees bent by 30..100 degrees, feet flat, trunk a little forwards; arms as when arms_out
+  bent_knees,  // the same with knees bent by 12..45 degrees
+  arm_raised,  // one arm raised, 110..170 degrees from down, the elbow bent a little; the other as when arms_out
 };
 
 // The pose before the person's turn towards the camera (draw_yaw_deg). Elbows and hands of free poses keep out of

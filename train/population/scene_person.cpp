@@ -331,6 +331,7 @@ void ScenePerson::choose_frame(std::uint64_t index) {
 
 Rigid ScenePerson::placed(std::uint64_t index) const {
   Rigid sway = plan_.sway ? sway_.at(index) : Rigid{};
+  sway.translation.y += plan_.raised_mm;
   const float turned = share_of_turn(index, plan_.turn);
   if (turned > 0) sway = Rigid{body::rotation_about(kAxisY, -180.0F * turned), {}} * sway;
   if (steps_round()) {

@@ -38,6 +38,12 @@ struct AboutTurn {
   int frame_count = 0;  // 0: never
 };
 
+// A square plate on the floor, under the person: a scale, a turntable, a platform.
+struct FloorPlate {
+  float height_mm = 0;  // of its top; 0: none
+  float side_mm = 300;
+};
+
 // Hangs clothes on a body: `rest` has all vertices of the model. The same for the same arguments. Called from the
 // threads of the caller that holds it.
 using Dresser =
@@ -55,6 +61,7 @@ struct PersonPlan {
   AboutTurn turn;
   Dresser dresser;  // of Clothing::garments: called for every pose, so a walk takes its time
   StepRound step_round;
+  float raised_mm = 0;  // above the floor
 };
 
 // Slow sway about the ankles and a little turning: sums of three incommensurate waves, 0.1..0.6 Hz, so that any

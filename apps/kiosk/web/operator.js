@@ -10,6 +10,8 @@ const kStayMs = 60000;  // how often touches are reported: a session ends half a
 const kLowPercent = 50;  // a joint that is as likely wrong as right
 const kEdges = ['x0', 'z0', 'x1', 'z1'];  // as --region has them
 const kReachMaxM = 20;
+const kPlanHalfM = 3, kPlanFarM = 6;  // as floor_plan.h
+const kPlanStepM = 0.05, kPlanLeastM = 0.1;  // drawn edges lie at such steps; less is no rectangle
 const kFormFields = ['person', 'height', 'weight', 'age', 'gender', 'worn_size', 'clothing', 'notes'];
 
 const words = new Words(new URLSearchParams(location.search).get('lang') || navigator.language || 'en');
@@ -19,7 +21,7 @@ for (const kind of ['error', 'unhandledrejection']) {
   window.addEventListener(kind, (e) => failures.push(String(e.message || e.reason)));
 }
 let token = '', form = {tape: []}, state = {phase: 'IDLE', ready: false}, said = '', jobSeen = '', unreached = '', erased = '';
-let joints = [], replaying = 0, regionShown = null;
+let joints = [], replaying = 0, regionShown = null, planSeen = '', planPicture = null, planCorner = null;
 
 // "list.title" of the operator's texts.
 const of = (key) => key.split('.').reduce((table, word) => table && table[word], words.table.operator);
@@ -59,6 +61,8 @@ function showTexts() {
     return item;
   }));
   for (const id of ['sight', 'replayed']) at(id).setAttribute('aria-label', of('misc.sight'));
+  at('plan').setAttribute('aria-label', of('region.plan'));
+  drawPlan();
   at('languages').setAttribute('aria-label', words.of('languages'));
   at('comparison-name').textContent = words.of('name-head');
   for (const button of at('languages').children) {
@@ -145,7 +149,7 @@ function clearForm() {
 
 // --- where to measure: the text of --region from four fields, in metres; "" of four empty ones
 function regionText() {
-  const values = kEdges.map((id) => at(id).value.trim().replace(',', '.').replace('\u2212', '-'));
+  const values = ofFields();
   if (values.every((text) => !text)) return '';
   const fault = (id, key) => {
     at(id).focus();
@@ -160,6 +164,78 @@ function regionText() {
   if (z0 >= z1) fault('z0', 'order_z');
   return [x0, z0, x1, z1].join(',');
 }
+const edgeText = (metres) => words.number(metres, 3).replace(/[.,]?0+$/, '').replace(/^-0$/, '0');
+
+// --- the floor from above, camera at the bottom: the rectangle of the fields, which a drag fills in
+const ofFields = () => kEdges.map((id) => at(id).value.trim().replace(',', '.').replace('\u2212', '-'));
+function drawPlan() {
+  const canvas = at('plan'), context = canvas.getContext('2d');
+  const scale = canvas.width / (2 * kPlanHalfM);
+  const across = (x) => (x + kPlanHalfM) * scale, down = (z) => canvas.height - z * scale;
+  context.clearRect(0, 0, canvas.width, canvas.height);
+  context.imageSmoothingEnabled = false;
+  if (planPicture) context.drawImage(planPicture, 0, 0, canvas.width, canvas.height);
+  context.font = '24px sans-serif';
+  context.strokeStyle = '#ffffff40';
+  context.lineWidth = 1;
+  context.fillStyle = '#ffffff';
+  for (let m = 1 - kPlanHalfM; m < kPlanHalfM; ++m) {
+    context.strokeRect(across(m), -9, 0, canvas.height + 18);
+    if (m !== 0) context.fillText(words.number(m, 0), across(m) + 5, canvas.height - 6);  // the camera is there
+  }
+  for (let m = 1; m < kPlanFarM; ++m) {
+    context.strokeRect(-9, down(m), canvas.width + 18, 0);
+    context.fillText(`${words.number(m, 0)} m`, 6, down(m) - 5);
+  }
+  context.beginPath();  // the camera
+  for (const [x, z] of [[0, 0.22], [-0.14, 0], [0.14, 0]]) context.lineTo(across(x), down(z));
+  context.fill();
+  const values = ofFields();
+  if (values.some((text) => !/^-?(\d+\.?\d*|\.\d+)$/.test(text))) return;
+  const [x0, z0, x1, z1] = values.map(Number);
+  if (x0 >= x1 || z0 >= z1) return;
+  context.fillStyle = '#8fd0e640';
+  context.fillRect(across(x0), down(z1), (x1 - x0) * scale, (z1 - z0) * scale);
+  context.strokeStyle = '#8fd0e6';
+  context.lineWidth = 5;
+  context.strokeRect(across(x0), down(z1), (x1 - x0) * scale, (z1 - z0) * scale);
+}
+async function showPlan() {
+  const key = token && state.plan ? state.plan.join() : '';
+  if (key === planSeen) return;
+  planSeen = key;
+  const answer = key ? await get('/operator/plan').catch(() => null) : null;
+  const picture = answer ? await createImageBitmap(await answer.blob()).catch(() => null) : null;
+  if (key !== planSeen) return;  // a later one, or signed out
+  planPicture = picture;
+  document.body.dataset.plan = picture ? key : '';
+  drawPlan();
+}
+const mayDraw = () => Boolean(token && state.region) && !state.region.fixed && !at('region-set').disabled;
+function onPlan(event) {
+  const box = at('plan').getBoundingClientRect();
+  const stepped = (m, least, most) => Math.round(Math.min(Math.max(m, least), most) / kPlanStepM) * kPlanStepM;
+  return [stepped(((event.clientX - box.left) / box.width - 0.5) * 2 * kPlanHalfM, -kPlanHalfM, kPlanHalfM),
+    stepped((1 - (event.clientY - box.top) / box.height) * kPlanFarM, 0, kPlanFarM)];
+}
+at('plan').addEventListener('pointerdown', (event) => {
+  if (!mayDraw() || !event.isPrimary || event.button !== 0) return;
+  planCorner = onPlan(event);
+  at('plan').setPointerCapture(event.pointerId);
+  event.preventDefault();
+});
+at('plan').addEventListener('pointermove', (event) => {
+  if (!planCorner || !event.isPrimary) return;
+  const [x, z] = onPlan(event), [cornerX, cornerZ] = planCorner;
+  if (Math.abs(x - cornerX) < kPlanLeastM - 1e-9 || Math.abs(z - cornerZ) < kPlanLeastM - 1e-9) return;
+  const drawn = [Math.min(x, cornerX), Math.min(z, cornerZ), Math.max(x, cornerX), Math.max(z, cornerZ)];
+  kEdges.forEach((id, i) => { at(id).value = edgeText(drawn[i]); });
+  at('region-fault').textContent = '';
+  drawPlan();
+});
+for (const kind of ['pointerup', 'pointercancel']) at('plan').addEventListener(kind, () => { planCorner = null; });
+for (const id of kEdges) at(id).addEventListener('input', drawPlan);
+
 // What holds; fields that the operator is filling in keep what they have.
 function showRegion() {
   const region = state.region;
@@ -167,11 +243,15 @@ function showRegion() {
   if (regionShown !== region.text) {
     regionShown = region.text;
     const values = region.text ? region.text.split(',') : ['', '', '', ''];
-    kEdges.forEach((id, i) => { at(id).value = values[i] && words.number(Number(values[i]), 3).replace(/[.,]?0+$/, ''); });
+    kEdges.forEach((id, i) => { at(id).value = values[i] && edgeText(Number(values[i])); });
+    drawPlan();
   }
   for (const id of kEdges) at(id).readOnly = region.fixed;
   at('region-set').hidden = region.fixed;
   at('region-set').disabled = ['WAITING', 'RECORDING'].includes(document.body.dataset.phase);
+  at('plan').classList.toggle('fixed', !mayDraw());
+  const help = of(`region.${region.fixed ? 'plan_fixed' : state.plan ? 'draw' : 'no_plan'}`);
+  if (at('plan-help').textContent !== help) at('plan-help').textContent = help;
   const lines = [region.text ? of('region.held') : of('region.everywhere')];
   if (region.fixed) lines.push(of('region.fixed'));
   if (region.error) lines.push(region.error);
@@ -236,6 +316,7 @@ async function poll() {
   if (state.erased && state.erased !== erased) loadSessions();
   erased = state.erased;
   showState();
+  showPlan();
 }
 
 // --- sessions
@@ -420,7 +501,8 @@ at('add').addEventListener('change', () => {
 // --- signing in and out. The session is a cookie that scripts cannot read; half an hour without a touch ends it.
 function signedOut() {
   token = said = jobSeen = '';
-  regionShown = null;
+  regionShown = planCorner = planPicture = null;
+  planSeen = '';
   ++replaying;  // ends a replay
   sessions = [];
   statistics = null;

@@ -70,6 +70,19 @@ TEST_F(StatisticsFile, ASizeOfAnyNameIsOneCell) {
   EXPECT_THAT((*again)->csv(), HasSubstr("2026-11,size,34 /32   long  xxx"));
 }
 
+// Found by the fuzzer: blanks at the ends and the formula's quote made another name of it at each start.
+TEST_F(StatisticsFile, ANameIsTheSameAtEachStart) {
+  for (const std::string& name : {std::string("\x06\x06 M \x06"), "=" + std::string(80, 'x'),
+                                  std::string(58, 'x') + "   y", std::string("\x06")}) {
+    write("period,what,name,count\n2026-11,size," + name + ",1\n");
+    const auto first = Statistics::open(path_);
+    ASSERT_TRUE(first) << first.error().message;
+    const auto second = Statistics::open(path_);
+    ASSERT_TRUE(second) << second.error().message;
+    EXPECT_EQ((*first)->csv(), (*second)->csv());
+  }
+}
+
 TEST_F(StatisticsFile, NoSizeIsAFormulaAndAFileThatWasEditedOpensTwice) {
   write("period,what,name,count\n2026-11,size,\"36,5\",1\n");
   for (int run = 0; run < 2; ++run) {

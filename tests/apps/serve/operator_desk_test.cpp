@@ -101,6 +101,40 @@ const Json kForm = {{"person", "P1"},
                     {"notes", "two\nlines"},
                     {"truth", {{"height_mm", 1700}, {"gender", "female"}, {"tape", {{"waist_girth", {800, 806}}}}}}};
 
+// Of every visit's frames; people are on it while it is fresh, and never after their visit.
+TEST_F(Desk, TheFloorFromAboveKeepsNobody) {
+  EXPECT_EQ(status_of("/operator/plan"), 404);
+  EXPECT_FALSE(get("/operator/state").contains("plan"));
+  EXPECT_EQ(page_->client().Get("/operator/plan")->status, 401) << "the operator's alone";
+  ASSERT_EQ(begin(), 200);
+  std::vector<std::uint16_t> pixels(64 * 48, 2000);
+  std::vector<std::uint8_t> mask(pixels.size());
+  for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = i % 64 > 28 && i % 64 < 36 ? 255 : 0;
+  const Intrinsics k = {64, 48, 60, 60, 31.5F, 23.5F};
+  EngineResult result;
+  const auto see = [&] {
+    page_->begin_person();
+    page_->page().see({DepthView(pixels.data(), 64, 48), MaskView(mask.data(), 64, 48), {}, {}, result});
+  };
+  see();
+  EXPECT_EQ(status_of("/operator/plan"), 404) << "the floor is not known";
+  result.floor = {true, {0, -1, 0}, 1000};
+  see();
+  const auto plan =
+      apps::floor_plan(DepthView(pixels.data(), 64, 48), MaskView(mask.data(), 64, 48), k, result.floor);
+  const std::string with = *apps::picture_of(plan, true), without = *apps::picture_of(plan, false);
+  ASSERT_NE(with, without);
+  EXPECT_EQ(page_->operator_client().Get("/operator/plan")->body, with);
+  EXPECT_EQ(get("/operator/state")["plan"], Json({1, true}));
+  std::fill(mask.begin(), mask.end(), std::uint8_t{0});
+  see();
+  EXPECT_EQ(get("/operator/state")["plan"][0], 1) << "twice a second";
+  ASSERT_EQ(post("/operator/discard", Json::object()).first, 200);
+  EXPECT_EQ(page_->operator_client().Get("/operator/plan")->body, without);
+  open_page();
+  EXPECT_EQ(status_of("/operator/plan"), 404) << "of another camera";
+}
+
 TEST_F(Desk, AVisitIsRecordedAndSavedWithWhatTheFormSays) {
   EXPECT_EQ(phase(), "IDLE");
   EXPECT_EQ(get("/operator/form")["tape"][0]["id"], "waist_girth");
@@ -202,6 +236,56 @@ TEST_F(Desk, ADeletionThatTakesItsTimeHoldsNoFrameUp) {
   EXPECT_TRUE(went_on);
   EXPECT_EQ(deleted.get(), 200);
   EXPECT_EQ(entries(), 0U) << "the answer comes after it is gone";
+}
+
+// One thread answers everybody: others get their answers while a slow disk deletes, whoever asked for it.
+TEST_F(Desk, ADeletionThatTakesItsTimeHoldsNoOtherRequestUp) {
+  for (const bool by_operator : {false, true}) {
+    ASSERT_NO_FATAL_FAILURE(measured_visit());
+    ASSERT_EQ(post("/operator/save", kForm).first, 202);
+    const Json done = job_done();
+    ASSERT_EQ(done["error"], "");
+    const std::string visit = page_->visit();
+    page_->operator_client();  // signs in
+    const int root = ::open(root_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    ASSERT_EQ(::flock(root, LOCK_EX), 0);  // a deletion waits for it
+    auto deleted = std::async(std::launch::async, [&] {
+      return by_operator ? post("/operator/delete", {{"id", done["id"]}}).first : page_->post("/delete", visit);
+    });
+    EXPECT_EQ(deleted.wait_for(std::chrono::milliseconds(300)), std::future_status::timeout);
+    auto others = std::async(std::launch::async, [&] {
+      return std::vector{page_->status_of("/"), status_of("/operator/state"), page_->post("/touch", "another visit")};
+    });
+    const bool answered = others.wait_for(std::chrono::seconds(3)) == std::future_status::ready;
+    EXPECT_EQ(entries(), 1U) << "not deleted yet";
+    ::close(root);
+    EXPECT_TRUE(answered) << by_operator;
+    EXPECT_THAT(others.get(), testing::ElementsAre(200, 200, 409));
+    EXPECT_EQ(deleted.get(), 200);
+    EXPECT_EQ(entries(), 0U) << "the answer comes after it is gone";
+    if (by_operator) {
+      EXPECT_EQ(page_->post("/delete", visit), 200);
+    }
+  }
+}
+
+// The page ends while a deletion waits: its client is cut off, and what was begun is done.
+TEST_F(Desk, APageThatEndsFinishesItsDeletions) {
+  ASSERT_NO_FATAL_FAILURE(measured_visit());
+  ASSERT_EQ(post("/operator/save", kForm).first, 202);
+  ASSERT_EQ(job_done()["error"], "");
+  const std::string visit = page_->visit();
+  const int root = ::open(root_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  ASSERT_EQ(::flock(root, LOCK_EX), 0);
+  auto deleted = std::async(std::launch::async, [&] { return page_->post("/delete", visit); });
+  EXPECT_EQ(deleted.wait_for(std::chrono::milliseconds(300)), std::future_status::timeout);
+  auto freed = std::async(std::launch::async, [&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    ::close(root);
+  });
+  page_->end();
+  EXPECT_EQ(deleted.get(), 0) << "no answer";
+  EXPECT_EQ(entries(), 0U);
 }
 
 TEST_F(Desk, DeleteDuringSavingLeavesNothing) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "browser.h"
@@ -55,6 +56,26 @@ class OperatorFields : public testing::Test {
   static bool now_says(const std::string& text) {
     return browser_->wait_for("return at('region-now').textContent === '" + text + "'");
   }
+  static hal::SourceInfo camera() {
+    hal::SourceInfo source;
+    source.intrinsics = {320, 240, 290, 290, 159.5F, 119.5F};
+    return source;
+  }
+  // A frame of a level camera 1 m above the floor, with a crate in the middle, 2 m away.
+  void see_floor() {
+    page_->begin_person();
+    std::vector<std::uint16_t> pixels(320 * 240);
+    for (int v = 0; v < 240; ++v)
+      for (int u = 0; u < 320; ++u) {
+        const float down = (static_cast<float>(v) - 119.5F) / 290, aside = (static_cast<float>(u) - 159.5F) / 290;
+        float z = down > 0.18F ? 1000 / down : 5500;
+        if (z > 2000 && std::fabs(aside) < 0.15F && down > 0.25F) z = 2000;
+        pixels[static_cast<std::size_t>(v * 320 + u)] = static_cast<std::uint16_t>(z);
+      }
+    EngineResult result;
+    result.floor = {true, {0, -1, 0}, 1000};
+    page_->page().see({DepthView(pixels.data(), 320, 240), {}, {}, {}, result});
+  }
   const test::TestFolder folder_;
   apps::DiagnosePicture diagnose_;
   std::unique_ptr<test::ShownPage> page_;
@@ -83,6 +104,72 @@ TEST_F(OperatorFields, ARegionIsSetInMetresAndNonsenseIsNamed) {
   EXPECT_EQ(fault_of({"", "", "", ""}), "");
   EXPECT_TRUE(now_says("Gemessen wird überall."));
   EXPECT_FALSE(page_->page().region().region);
+  EXPECT_EQ(browser_->run("return failures"), Json::array());
+}
+
+// The floor as the engine's frames show it, and a rectangle dragged on it with the mouse.
+TEST_F(OperatorFields, ARegionIsDrawnOnTheFloorFromAbove) {
+  ASSERT_NO_FATAL_FAILURE(open());
+  EXPECT_TRUE(browser_->wait_for("return at('plan-help').textContent === of('region.no_plan')"));
+  page_->page().use_source(camera(), {}, diagnose_);
+  ASSERT_EQ(page_->post("/consent", page_->visit()), 200);
+  see_floor();
+  ASSERT_TRUE(
+      browser_->wait_for("return document.body.dataset.plan && at('plan-help').textContent === of('region.draw')"));
+  // The crate that the camera sees, in the middle 2 m away: brighter than the floor before it.
+  const auto grey = [&](double x, double z) {
+    return browser_
+        ->run("const [x, z] = [" + std::to_string(x) + ", " + std::to_string(z) +
+              "]; return at('plan').getContext('2d').getImageData((x + 3) * 120, 720 - z * 120, 1, 1).data[0]")
+        .get<int>();
+  };
+  EXPECT_GT(grey(0.27, 2.02), grey(0.9, 2.83) + 40);
+  EXPECT_GT(grey(0.9, 2.83), 40);
+  EXPECT_EQ(grey(-2.6, 5.6), 0) << "nothing is seen there";
+  browser_->run("at('plan').scrollIntoView({block: 'center'})");
+  const auto mouse = [&](const char* kind, double x, double z) {
+    const Json box =
+        browser_->run("const b = at('plan').getBoundingClientRect(); return [b.left, b.top, b.width, b.height]");
+    browser_->devtools("Input.dispatchMouseEvent", {{"type", kind},
+                                                    {"x", box[0].get<double>() + (x + 3) / 6 * box[2].get<double>()},
+                                                    {"y", box[1].get<double>() + (1 - z / 6) * box[3].get<double>()},
+                                                    {"button", "left"},
+                                                    {"buttons", 1},
+                                                    {"clickCount", 1}});
+  };
+  const auto drag = [&](double x0, double z0, double x1, double z1) {
+    mouse("mousePressed", x0, z0);
+    mouse("mouseMoved", (x0 + x1) / 2, (z0 + z1) / 2);
+    mouse("mouseMoved", x1, z1);
+    mouse("mouseReleased", x1, z1);
+    return browser_->run("return kEdges.map((id) => at(id).value)");
+  };
+  EXPECT_EQ(drag(-0.61, 3.01, 0.59, 1.52), Json({"-0.6", "1.5", "0.6", "3"})) << "any corner first; steps of 50 mm";
+  EXPECT_GT(grey(0.5, 2.9), grey(0.7, 2.9)) << "the rectangle is shown";
+  mouse("mouseMoved", 2, 5);
+  EXPECT_EQ(browser_->run("return at('x1').value"), "0.6") << "the button is up";
+  EXPECT_EQ(drag(1, 1, 1.04, 2), Json({"-0.6", "1.5", "0.6", "3"})) << "less than a rectangle";
+  EXPECT_FALSE(page_->page().region().region) << "Set sets it";
+  browser_->run("at('region-set').click()");
+  EXPECT_TRUE(now_says("Measuring only in this rectangle."));
+  const auto region = page_->page().region().region;
+  ASSERT_TRUE(region);
+  EXPECT_EQ(region->x0_mm, -600);
+  EXPECT_EQ(region->z1_mm, 3000);
+  EXPECT_EQ(drag(-2.9, 2, 5, 9), Json({"-2.9", "2", "3", "6"})) << "as far as the plan goes";
+  // Numbers move the rectangle, too.
+  const int with = grey(0.53, 2.93);
+  browser_->run("at('x1').value = '-2.5'; at('x1').dispatchEvent(new Event('input'))");
+  EXPECT_LT(grey(0.53, 2.93), with - 10);
+  for (const auto& [width, height] : {std::pair{390, 844}, {1280, 800}}) {
+    browser_->resize(width, height);
+    EXPECT_EQ(browser_->run("return document.documentElement.scrollWidth > innerWidth"), false);
+  }
+  // Of the command line: shown, not drawn.
+  ASSERT_NO_FATAL_FAILURE(open("-0.5,1,0.5,2"));
+  EXPECT_TRUE(browser_->wait_for("return at('plan-help').textContent === of('region.plan_fixed')"));
+  browser_->run("at('plan').scrollIntoView({block: 'center'})");
+  EXPECT_EQ(drag(-1, 1, 1, 3), Json({"-0.5", "1", "0.5", "2"}));
   EXPECT_EQ(browser_->run("return failures"), Json::array());
 }
 
