@@ -165,7 +165,7 @@ void Surroundings::add_feet(DepthView depth, MaskView mask, const Intrinsics& k,
   const FloorPlane& floor = person.floor;
   const Vec3f ahead = normalized(Vec3f{0, 0, 1} - floor.up * floor.up.z);
   const Vec3f aside = cross(ahead, floor.up);
-  look_at_legs(depth, mask, k, person, step, [&](Vec3f p) {
+  const auto see = [&](Vec3f p) {
     const float height = dot(floor.up, p) + floor.camera_height_mm;
     Foot& foot = feet_[dot(aside, p - middle) > 0 ? 1 : 0];
     const float forward = -dot(ahead, p - middle);
@@ -181,7 +181,9 @@ void Surroundings::add_feet(DepthView depth, MaskView mask, const Intrinsics& k,
       foot.shin_sum += forward;
       ++foot.shin_count;
     }
-  });
+  };
+  for (int v = (person.v_min + person.v_max) / 2; v <= person.v_max; v += step)
+    look_at_row(depth, mask, k, person, step, v, see);
 }
 
 void Surroundings::judge_feet(SurroundingsSigns& out) const {
