@@ -70,7 +70,7 @@ class ZipSource final : public Source {
 
 constexpr std::size_t kFileBytesMax = std::size_t{64} << 20;           // as a depth folder's
 constexpr std::uint64_t kDirectoryBytesMax = std::uint64_t{64} << 20;  // of the archive's table of contents
-constexpr zip_int64_t kEntriesMax = 65'534;                            // more have another table of contents (zip64)
+constexpr zip_int64_t kZipEntriesMax = 65'534;                            // more have another table of contents (zip64)
 constexpr std::size_t kDepthMax = 8;
 
 Error refused(const std::string& path, ErrorCode code, const std::string& problem) {
@@ -95,7 +95,7 @@ Status check_directory(const std::string& path) {
     for (std::size_t i = size; i-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[at + place + i]);
     return value;
   };
-  if (number(10, 2) > static_cast<std::uint64_t>(kEntriesMax) || number(12, 4) > kDirectoryBytesMax)
+  if (number(10, 2) > static_cast<std::uint64_t>(kZipEntriesMax) || number(12, 4) > kDirectoryBytesMax)
     return refused(path, ErrorCode::unsupported, "has more files than a recording; unpack it and give the folder");
   return Ok{};
 }
