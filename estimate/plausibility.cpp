@@ -50,8 +50,8 @@ constexpr float kFollowedMissingMm = 40, kFollowedTwoSdMm = 22;
 // The answer's stature less the crown as seen: -10 to 12 of 24 people as they are, -62 to -10 of 24 in clothes, shoes
 // and hair. Of 19 in a skirt to the floor over shoes, which the fit takes for legs, it is -147 to 67; of a crown
 // whose loss was not noticed, 34. Both then stand in the interval, with two SD of soles and hair and of such a crown;
-// [scenes]
-constexpr float kOverSeenMaxMm = 24, kOverSeenClothedMaxMm = 0, kUnderSeenMaxMm = 80;
+// [scenes]. A crown far above the fitted body may be a hat: the value stays.
+constexpr float kOverSeenMaxMm = 24, kOverSeenClothedMaxMm = 12, kUnderSeenMaxMm = 80;
 constexpr float kWornMostMm = 65, kSeenTwoSdMm = 15, kAnswerTwoSdMm = 40;
 
 }  // namespace im2fit::plausibility_limits
@@ -159,7 +159,7 @@ void reconcile(float seen_mm, bool clothed, index::IntervalEstimate& stature) {
   const float highest = seen_mm + (above ? kFollowedMissingMm + kFollowedTwoSdMm : kSeenTwoSdMm);
   stature.low = std::min({stature.low, stature.value - kAnswerTwoSdMm, seen_mm - kWornMostMm});
   stature.high = std::max(stature.high, highest);
-  stature.value = 0.5F * (stature.value + seen_mm);
+  if (above) stature.value = 0.5F * (stature.value + seen_mm);
 }
 
 }  // namespace

@@ -29,11 +29,14 @@ struct EvalLimitsCommand {
   bool perfect = false;
 };
 
-Result<std::vector<Situation>> wanted_situations(const std::vector<std::string>& words) {
+Result<std::vector<Situation>> wanted_situations(const std::vector<std::string>& words, const std::string& family) {
   std::vector<Situation> out;
   for (const std::string& word : words) {
     const auto situation = situation_of(word);
     if (!situation) return situation.error();
+    if (family == "other" && rule_of(*situation).of_model_mesh)
+      return Error{ErrorCode::invalid_argument,
+                   "people of the family other cannot be shown in the situation " + word + "; choose another family"};
     out.push_back(*situation);
   }
   for (std::size_t s = 0; words.empty() && s < kSituationCount; ++s) out.push_back(static_cast<Situation>(s));
@@ -91,7 +94,7 @@ Status write_shown(const std::string& folder, const body::BodyModel& model, cons
 }
 
 Result<int> run_eval_limits(const EvalLimitsCommand& options) {
-  const auto situations = wanted_situations(options.situations);
+  const auto situations = wanted_situations(options.situations, options.family);
   if (!situations) return situations.error();
   const auto model = load_body(options.body);
   if (!model) return model.error();
@@ -153,8 +156,9 @@ void add_eval_limits(cli::App& app, Command& chosen) {
   sub->add_option("--threads", people.threads, "Threads; the result does not depend on them")
       ->range(1, 256)
       ->capture_default_str();
-  sub->add_option("--family", options->family,
-                  "People to measure: modifiers, ansur, mixed (both in turns) or other (without heels and hem)")
+  sub->add_option(
+         "--family", options->family,
+         "People to measure: modifiers, ansur, mixed (both in turns) or other (without heels, hem and dressed)")
       ->check([](const std::string& name) {
         const auto known = people_family_of(name);
         return known ? "" : known.error().message;

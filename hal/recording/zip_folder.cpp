@@ -70,7 +70,7 @@ class ZipSource final : public Source {
 
 constexpr std::size_t kFileBytesMax = std::size_t{64} << 20;           // as a depth folder's
 constexpr std::uint64_t kDirectoryBytesMax = std::uint64_t{64} << 20;  // of the archive's table of contents
-constexpr zip_int64_t kZipEntriesMax = 65'534;                            // more have another table of contents (zip64)
+constexpr zip_int64_t kZipEntriesMax = 65'534;                         // more have another table of contents (zip64)
 constexpr std::size_t kDepthMax = 8;
 
 Error refused(const std::string& path, ErrorCode code, const std::string& problem) {

@@ -3,6 +3,7 @@
 // the engine or in the scenes fails here; how many of a hundred are right is in docs/notebook/limits.md.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <map>
 #include <sstream>
 #include <string>
@@ -16,8 +17,10 @@ namespace {
 using Words = std::vector<std::string>;
 
 test::Run eval_limits(const Words& words) {
-  Words command = {test::kLab,           "eval-limits", "--body",           test::body_path(), "--joint-model",
-                   test::tracker_path(), "--index",     test::index_path(), "--family",        "modifiers"};
+  Words command = {test::kLab,      "eval-limits",        "--body",  test::body_path(),
+                   "--joint-model", test::tracker_path(), "--index", test::index_path()};
+  if (std::find(words.begin(), words.end(), "--family") == words.end())
+    command.insert(command.end(), {"--family", "modifiers"});
   command.insert(command.end(), words.begin(), words.end());
   test::RunOptions options;
   options.timeout_s = 300;
@@ -79,7 +82,10 @@ TEST(EvalLimits, EverySituationIsRefusedByNameOrRight) {
 }
 
 TEST(EvalLimits, WrongWordsExitWithTwoAndOneLine) {
-  for (const Words& words : {Words{"--situations", "upside-down"}, {"--subjects", "0"}, {"--family", "twins"}}) {
+  for (const Words& words : {Words{"--situations", "upside-down"},
+                             {"--subjects", "0"},
+                             {"--family", "twins"},
+                             {"--family", "other", "--situations", "heels"}}) {
     const test::Run run = eval_limits(words);
     EXPECT_EQ(run.exit_code, 2) << words.back();
     EXPECT_TRUE(test::is_one_line_of(run.err, "im2fit-lab")) << run.err;

@@ -186,7 +186,8 @@ TEST(Plausibility, AStatureThatIsNotTheOneSeenWidensItsInterval) {
   for (const auto& [over, clothed, widened] : {std::tuple(20.0F, false, false),
                                                {29.0F, false, true},
                                                {-5.0F, true, false},
-                                               {5.0F, true, true},
+                                               {11.0F, true, false},
+                                               {14.0F, true, true},
                                                {-70.0F, true, false},
                                                {-90.0F, true, true},
                                                {-90.0F, false, true}}) {
@@ -195,6 +196,8 @@ TEST(Plausibility, AStatureThatIsNotTheOneSeenWidensItsInterval) {
     EXPECT_LE(stature.low, stature.value);
     EXPECT_GE(stature.high, stature.value);
     if (!widened) continue;
+    // A body that ends far below the crown is that of a person in a hat, too.
+    EXPECT_FLOAT_EQ(stature.value, over > 0 ? 1722 + over / 2 : 1722 + over);
     EXPECT_LE(stature.low, 1722 - 60) << "soles and hair of what is seen";
     EXPECT_GE(stature.high, 1722 + 10);
     EXPECT_LE(stature.low, 1722 + over - 35);
