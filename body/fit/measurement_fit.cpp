@@ -40,7 +40,7 @@ constexpr double kSeenSdMm = 16;
 constexpr std::array<double, 3> kAroundSdsMm = {8, 16, 32};
 // What is met well enough where the body was measured all round: one body to a millimetre (docs/one-body.md), and
 // half of the smallest 95 % interval of a weight.
-constexpr float kNearlyMm = 1, kNearlyKg = 1;
+constexpr double kNearlyMm = 1, kNearlyKg = 1;
 // Residuals at which the search ends: a tenth of the reported limit (kResidualToldMm).
 constexpr double kMetMm = 0.2, kMetKg = 0.02;
 // Goals give way by kTightness, so that a search may come to rest a little beyond those: ended where a step takes the
@@ -141,7 +141,7 @@ class MeasurementFitter::Work {
     if (seen != nullptr && seen->valid && seen->around)
       for (const double sd_mm : kAroundSdsMm) {
         set_prior(params.gender, seen, sd_mm);
-        found = search(fit) || nearly_met(fit.residual);
+        found = search(fit, true);
         if (found) break;
       }
     if (!found) {
@@ -155,8 +155,8 @@ class MeasurementFitter::Work {
   const BodyModel& model() const { return model_; }
 
  private:
-  // Whether all goals are met. The measurer then holds what was found.
-  bool search(MeasurementFit& fit) {
+  // Whether all goals are met, or nearly where that is enough. The measurer then holds what was found.
+  bool search(MeasurementFit& fit, bool nearly_is_enough = false) {
     fit = {};
     whitened_.fill(0);
     double best_cost = 0, cost_before = 0, times = 1;  // of the residuals at which the search ends
@@ -182,6 +182,7 @@ class MeasurementFitter::Work {
         fit.distance = static_cast<float>(length(whitened_));
       }
       if (met(off, times) || fit.steps == kStepCountMax) break;
+      if (nearly_is_enough && times > 1 && nearly_met(off)) break;
       before = whitened_;
       off_before = off;
       step(off);
@@ -189,7 +190,7 @@ class MeasurementFitter::Work {
     const Rows last = off_of(fit.values);
     for (std::size_t r = 0; r < kRows; ++r) fit.residual[r] = static_cast<float>(last[r]);
     if (best_step != fit.steps) measurer_.measure(best_);
-    return met(last, times);
+    return met(last, times) || (nearly_is_enough && nearly_met(last));
   }
 
   void set_prior(float gender, const SeenBody* seen, double sd_mm) {
@@ -256,9 +257,9 @@ class MeasurementFitter::Work {
     return true;
   }
 
-  static bool nearly_met(const MeasurementValues& residual) {
+  static bool nearly_met(const Rows& off) {
     for (std::size_t r = 0; r < kRows; ++r)
-      if (!(std::fabs(residual[r]) <= (is_mass(r) ? kNearlyKg : kNearlyMm))) return false;
+      if (!(std::fabs(off[r]) <= (is_mass(r) ? kNearlyKg : kNearlyMm))) return false;
     return true;
   }
 
