@@ -56,10 +56,19 @@ TEST(TurnStudyText, SaysHowManyWereMeasured) {
   measured.front_found = measured.measured = true;
   measured.truth.fill(100);
   measured.measured_values.fill(103);
+  measured.true_limbs.fill(500);
+  measured.fused_limbs.fill(504);
+  measured.answered_limbs.fill(490);
   const std::string text = text_of({missed, measured});
   EXPECT_NE(text.find("2 people, 1 fronts fitted, 1 measured"), std::string::npos);
-  EXPECT_NE(text.find("waist_girth               1     3.0     3.0     3.0"), std::string::npos) << text;
-  EXPECT_EQ(text.find("level"), std::string::npos);
+  EXPECT_NE(text.find("waist_girth                      1     3.0     3.0     3.0"), std::string::npos) << text;
+  EXPECT_NE(text.find("calf_girth                       1     4.0     4.0     4.0"), std::string::npos) << text;
+  EXPECT_NE(text.find("calf_girth, one body             1   -10.0    10.0    10.0"), std::string::npos) << text;
+  EXPECT_EQ(text.find("at true height"), std::string::npos);
+  measured.has_levels = true;
+  measured.at_true_level_mm = {1, 2, -5};
+  EXPECT_NE(text_of({measured}).find("hip at true height               1    -5.0     5.0     5.0"),
+            std::string::npos);
 }
 
 }  // namespace
