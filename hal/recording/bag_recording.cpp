@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -38,7 +39,7 @@ std::optional<int> rank_of(const BagConnection& connection) {
 }
 
 struct Topics {
-  std::uint32_t depth = 0;
+  std::set<std::uint32_t> depth;  // connections
   std::string depth_name, info_name, unit_name;
   std::int64_t count = 0;
   bool realsense = false;
@@ -60,7 +61,8 @@ Error no_depth(const BagFile& bag) {
                                     (list.empty() ? "none" : list) + "); record the depth stream"};
 }
 
-// One topic may have several connections, of several writers: the first is taken.
+// One topic has a connection for each that wrote to it: a camera's node that was started again, bags that were
+// joined.
 Result<Topics> find_topics(const BagFile& bag) {
   Topics topics;
   std::optional<int> best;
@@ -69,15 +71,19 @@ Result<Topics> find_topics(const BagFile& bag) {
   for (const auto& [id, connection] : bag.connections()) {
     const auto rank = rank_of(connection);
     if (!rank || (best && *rank > *best)) continue;
-    tied = best && *rank == *best;
-    if (tied) {
+    if (best && *rank == *best && connection.topic != topics.depth_name) {
+      tied = true;
       other = connection.topic;
       continue;
     }
-    best = rank;
-    topics.depth = id;
-    topics.depth_name = connection.topic;
-    topics.count = connection.message_count;
+    if (!best || *rank < *best) {
+      best = rank;
+      tied = false;
+      topics = Topics();
+      topics.depth_name = connection.topic;
+    }
+    topics.depth.insert(id);
+    topics.count += connection.message_count;
   }
   if (!best) return no_depth(bag);
   if (tied)
@@ -150,7 +156,7 @@ class BagReader final : public FrameReader {
                                      ? kNoTopic
                                      : bag_->connections().at((*message)->connection).topic;
       Status status = Ok{};
-      if ((*message)->connection == topics_.depth && !head.image)
+      if (topics_.depth.count((*message)->connection) != 0 && !head.image)
         status = keep(read_bag_image(**message, what_), head.image);
       else if (topic == topics_.info_name && !head.info)
         status = keep(read_bag_camera_info(**message, bag_->path() + " (" + excerpt(topic) + ")"), head.info);
@@ -177,7 +183,7 @@ class BagReader final : public FrameReader {
       if (!*message)
         return Error{ErrorCode::end_of_stream,
                      bag_->path() + ": all " + std::to_string(sequence_) + " frames were delivered"};
-      if ((*message)->connection == topics_.depth) return frame(**message, picture);
+      if (topics_.depth.count((*message)->connection) != 0) return frame(**message, picture);
     }
   }
 

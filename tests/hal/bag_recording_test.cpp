@@ -121,6 +121,11 @@ TEST_F(BagRecording, MetresOfRectifiedPicturesHaveTheProjectionsLens) {
   expect_frames("a.bag", rectified);
 }
 
+TEST_F(BagRecording, ATopicMayHaveSeveralWriters) {
+  ASSERT_TRUE(write("a.bag", "again"));
+  expect_frames("a.bag", plain());
+}
+
 TEST_F(BagRecording, WhatIsMissingOrAmbiguousIsNamed) {
   ASSERT_TRUE(write("blind.bag", "blind"));
   EXPECT_TRUE(contains(refused("blind.bag"), "has no /camera/depth/camera_info")) << refused("blind.bag");
