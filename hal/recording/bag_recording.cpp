@@ -14,6 +14,7 @@
 #include "hal/folder/pose_rows.h"
 #include "hal/recording/bag_file.h"
 #include "hal/recording/bag_messages.h"
+#include "hal/recording/frame_times.h"
 
 namespace im2fit::hal {
 namespace {
@@ -172,7 +173,7 @@ class BagReader final : public FrameReader {
   Status rewind() override {
     bag_->rewind();
     sequence_ = 0;
-    last_ns_ = -1;
+    times_.restart();
     return Ok{};
   }
 
@@ -222,9 +223,9 @@ class BagReader final : public FrameReader {
     FrameInfo info;
     info.sequence = sequence_++;
     const std::string where = what_ + ": frame " + std::to_string(info.sequence);
-    if (message.time_ns <= last_ns_ || message.time_ns > kRecordedTimeMaxNs)
-      return Error{ErrorCode::corrupt, where + " has a time that is not after the frame before; record it again"};
-    info.host_ns = last_ns_ = message.time_ns;
+    const auto time_ns = times_.take(message.time_ns);
+    if (!time_ns) return FrameTimes::refused(where);
+    info.host_ns = *time_ns;
     const auto image = read_bag_image(message, where);
     if (!image) return image.error();
     if (image->stamp_ns > 0) info.device_us = image->stamp_ns / 1000;
@@ -245,7 +246,7 @@ class BagReader final : public FrameReader {
   double unit_mm_ = 1;
   std::vector<std::byte> row_;
   std::uint64_t sequence_ = 0;
-  std::int64_t last_ns_ = -1;
+  FrameTimes times_;
 };
 
 }  // namespace

@@ -8,10 +8,13 @@
 #include <filesystem>
 #include <fstream>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "core/file.h"
 #include "hal/folder/depth_folder.h"
 #include "hal/open/open.h"
+#include "hal/recording/frame_times.h"
 #include "made_folder.h"
 #include "other_programs.h"
 
@@ -192,6 +195,60 @@ TEST_F(BagRecording, ADamagedChunkIsPassedOver) {
   }
   EXPECT_EQ(damaged, 1);
   EXPECT_EQ(good, kFrames - 1);
+}
+
+TEST_F(BagRecording, AWrongTimeCostsOneFrame) {
+  for (const char* kind : {"jump", "back"}) {
+    ASSERT_TRUE(write("a.bag", kind));
+    auto source = open_source(path("a.bag"));
+    ASSERT_TRUE(source) << source.error().message;
+    Picture out(kMadeWidth, kMadeHeight);
+    for (int round = 0; round < 2; ++round) {
+      ASSERT_TRUE((*source)->start());
+      for (int i = 0; i < kFrames; ++i) {
+        const auto got = (*source)->next(out.image(), 0);
+        ASSERT_EQ(static_cast<bool>(got), i != 2) << kind << i;
+        if (i == 2) {
+          EXPECT_EQ(got.error().code, ErrorCode::corrupt);
+          EXPECT_TRUE(contains(got.error().message, "frame 2 has a time that is not within 10 s")) << kind;
+          continue;
+        }
+        EXPECT_EQ(out.pixels, frame(i).pixels);
+        // A clock that was set back goes on from where it was.
+        const int steps = std::string(kind) == "back" && i > 2 ? i - 1 : i;
+        EXPECT_EQ(got->host_ns, 100'000'000'000 + std::int64_t{33333333} * steps) << kind << i;
+      }
+      EXPECT_EQ((*source)->next(out.image(), 0).error().code, ErrorCode::end_of_stream);
+    }
+  }
+}
+
+// As recorded, in s; the same list, of what is given, with -1 for a frame that is refused.
+TEST(FrameTimes, AreRefusedOnceAndLaterThanTheOnesBefore) {
+  using Seconds = std::vector<std::int64_t>;
+  const std::pair<Seconds, Seconds> table[] = {
+      {{0, 1, 2, 12, 13}, {0, 1, 2, 12, 13}},
+      {{5, 6, 900, 8, 9}, {5, 6, -1, 8, 9}},
+      {{5, 6, 900, 901, 902}, {5, 6, -1, 901, 902}},  // paused
+      {{5, 6, 6, 7}, {5, 6, -1, 7}},                  // twice the same
+      {{1000, 1001, 1, 2, 3}, {1000, 1001, -1, 1002, 1003}},
+      {{1000, 1001, 1, 500, 501}, {1000, 1001, -1, 1011, 1012}},
+      {{4'100'000'000, 1, 2, 4}, {-1, 1, 2, 4}},  // after the year 2096
+      {{3'900'000'000, 1, 2, 4}, {3'900'000'000, -1, 3'900'000'001, 3'900'000'003}},
+      {{3'900'000'000, 1, 2, 3'900'000'000, 3'900'000'001, 1, 2},
+       {3'900'000'000, -1, 3'900'000'001, -1, 3'900'000'002, -1, 3'900'000'003}}};
+  for (const auto& [recorded, expected] : table) {
+    FrameTimes times;
+    for (int round = 0; round < 2; ++round) {
+      Seconds given;
+      for (const std::int64_t s : recorded) {
+        const auto time_ns = times.take(s * 1'000'000'000);
+        given.push_back(time_ns ? *time_ns / 1'000'000'000 : -1);
+      }
+      EXPECT_EQ(given, expected);
+      times.restart();
+    }
+  }
 }
 
 // One byte at a time.
