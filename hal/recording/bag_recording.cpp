@@ -235,8 +235,10 @@ class BagReader final : public FrameReader {
                                            std::to_string(image->height) + ", expected " +
                                            std::to_string(picture.width) + "x" + std::to_string(picture.height) +
                                            " like the first"};
-    if (auto ok = read_bag_pixels(message, *image, unit_mm_, picture, row_, where); !ok)
-      return Error{ErrorCode::corrupt, ok.error().message};
+    if (auto ok = read_bag_pixels(message, *image, unit_mm_, picture, row_, where); !ok) {
+      if (ok.error().code != ErrorCode::unsupported) return ok.error();
+      return Error{ErrorCode::corrupt, ok.error().message};  // of this picture alone
+    }
     return info;
   }
 

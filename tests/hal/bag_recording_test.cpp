@@ -197,6 +197,29 @@ TEST_F(BagRecording, ADamagedChunkIsPassedOver) {
   EXPECT_EQ(good, kFrames - 1);
 }
 
+// Wherever the file ends all at once: in a record's head, a message's head, or pixels.
+TEST_F(BagRecording, AFailingReadIsNoDamage) {
+  ASSERT_TRUE(write("whole.bag", "metres"));
+  const auto whole = read_file(path("whole.bag"));
+  ASSERT_TRUE(whole);
+  Picture out(kMadeWidth, kMadeHeight);
+  int failed = 0;
+  for (std::size_t size = 6000; size < whole->size() * 3 / 4; size += 301) {
+    ASSERT_TRUE(write_file_atomically(path("a.bag"), std::span<const std::byte>(*whole)));
+    auto source = open_source(path("a.bag"));
+    ASSERT_TRUE(source) << source.error().message;
+    std::filesystem::resize_file(path("a.bag"), size);
+    auto got = (*source)->next(out.image(), 0);
+    for (int i = 1; got && i < kFrames; ++i) got = (*source)->next(out.image(), 0);
+    ASSERT_FALSE(got) << size;
+    EXPECT_EQ(got.error().code, ErrorCode::io) << size << ": " << got.error().message;
+    EXPECT_TRUE(contains(got.error().message, "became shorter while it was read")) << got.error().message;
+    EXPECT_EQ((*source)->stats().damaged, 0U);
+    ++failed;
+  }
+  EXPECT_GT(failed, 20);
+}
+
 TEST_F(BagRecording, AWrongTimeCostsOneFrame) {
   for (const char* kind : {"jump", "back"}) {
     ASSERT_TRUE(write("a.bag", kind));
