@@ -116,7 +116,7 @@ Result<CameraFile> calibration_of(const BagCameraInfo& info, bool rectified, con
   for (const char c : info.model)
     if ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == ' ' || c == '_')
       model += c;
-  if (model == "None") model.clear();
+  if (model == "None" || rectified) model.clear();  // a fisheye's lens is undone, too
   for (const double value : info.distortion)
     coefficients += (coefficients.empty() ? "" : ", ") + number(rectified ? 0 : value);
   const auto k = [&](std::size_t in_k, std::size_t in_p) { return number(projected ? info.p[in_p] : info.k[in_k]); };

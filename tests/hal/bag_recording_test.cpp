@@ -122,6 +122,8 @@ TEST_F(BagRecording, MetresOfRectifiedPicturesHaveTheProjectionsLens) {
   Calibration rectified = plain();
   rectified.intrinsics = {kMadeWidth, kMadeHeight, 40, 40, 20, 21};
   expect_frames("a.bag", rectified);
+  ASSERT_TRUE(write("fisheye.bag", "undone"));
+  expect_frames("fisheye.bag", rectified);
 }
 
 TEST_F(BagRecording, ATopicMayHaveSeveralWriters) {
