@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -197,6 +198,22 @@ TEST_F(BagRecording, ADamagedChunkIsPassedOver) {
   }
   EXPECT_EQ(damaged, 1);
   EXPECT_EQ(good, kFrames - 1);
+}
+
+TEST_F(BagRecording, CompressedChunksHaveALimit) {
+  ASSERT_TRUE(write("a.bag", "ros", "bz2"));
+  auto bytes = read_file(path("a.bag"));
+  ASSERT_TRUE(bytes);
+  const std::string text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  const std::string_view size("\x09\0\0\0size=", 9);
+  std::size_t at = text.find(size);
+  ASSERT_NE(at, std::string::npos);
+  for (; at != std::string::npos; at = text.find(size, at + 1)) (*bytes)[at + 12] = std::byte{0x50};
+  const auto source = open_bag_recording(FileCursor(std::span(*bytes), "a.bag"), {});
+  ASSERT_FALSE(source);
+  EXPECT_EQ(source.error().code, ErrorCode::unsupported);
+  EXPECT_TRUE(contains(source.error().message, "expected at most 67108864; write it plain by: rosbag decompress"))
+      << source.error().message;
 }
 
 // Wherever the file ends all at once: in a record's head, a message's head, or pixels.
