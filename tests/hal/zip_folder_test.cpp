@@ -26,9 +26,9 @@ class ZipFolder : public testing::Test {
   std::string path(const std::string& name) const { return folder_.path(name); }
 
   void SetUp() override {
-    if (!have_program("python3")) GTEST_SKIP() << "no python3";
     const char* before = std::getenv("TMPDIR");
     before_ = before ? std::optional<std::string>(before) : std::nullopt;
+    if (!have_program("python3")) GTEST_SKIP() << "no python3";
     std::filesystem::create_directory(path("tmp"));
     ::setenv("TMPDIR", path("tmp").c_str(), 1);
     make_folder(path("frames"));
