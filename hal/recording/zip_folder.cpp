@@ -69,34 +69,47 @@ class ZipSource final : public Source {
 #if IM2FIT_HAVE_ZIP
 
 constexpr std::size_t kFileBytesMax = std::size_t{64} << 20;           // as a depth folder's
-constexpr std::uint64_t kDirectoryBytesMax = std::uint64_t{64} << 20;  // of the archive's table of contents
-constexpr zip_int64_t kZipEntriesMax = 65'534;                            // more have another table of contents (zip64)
+constexpr std::uint64_t kDirectoryBytesMax = std::uint64_t{16} << 20;  // of the archive's table of contents
+constexpr zip_int64_t kZipEntriesMax = 65'534;                         // more have another table of contents (zip64)
 constexpr std::size_t kDepthMax = 8;
 
 Error refused(const std::string& path, ErrorCode code, const std::string& problem) {
   return {code, path + " " + problem};
 }
+Error too_many(const std::string& path) {
+  return refused(path, ErrorCode::unsupported, "has more files than a recording; unpack it and give the folder");
+}
 
-// The end of the archive names the size of its table of contents, which libzip reads whole.
+// The end of the archive names the size of its table of contents, which libzip reads whole. What looks like an end is
+// one for libzip, in the archive's comment, too; before it may stand the locator of another end, which libzip
+// prefers.
 Status check_directory(const std::string& path) {
-  constexpr std::size_t kEndBytes = 22, kCommentMax = 65535;
+  constexpr std::size_t kEndBytes = 22, kCommentMax = 65535, kLocatorBytes = 20;
+  constexpr int kEndsMax = 4;  // libzip reads a table of contents for each
   auto file = FileCursor::open(path);
   if (!file) return file.error();
-  const std::uint64_t tail = std::min<std::uint64_t>(file->size(), kEndBytes + kCommentMax);
+  const std::uint64_t tail = std::min<std::uint64_t>(file->size(), kLocatorBytes + kEndBytes + kCommentMax);
   std::string bytes(static_cast<std::size_t>(tail), '\0');
   file->seek(file->size() - tail);
   if (auto ok = file->read(std::as_writable_bytes(std::span(bytes))); !ok) return ok;
   const Error no_archive = refused(path, ErrorCode::corrupt,
                                    "is not a whole .zip archive; copy it again, or unpack it and give the folder");
-  const std::size_t at = bytes.rfind(std::string_view("PK\5\6", 4));
-  if (at == std::string::npos || at + kEndBytes > bytes.size()) return no_archive;
-  const auto number = [&](std::size_t place, std::size_t size) {
+  const auto number = [&](std::size_t at, std::size_t size) {
     std::uint64_t value = 0;
-    for (std::size_t i = size; i-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[at + place + i]);
+    for (std::size_t i = size; i-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
     return value;
   };
-  if (number(10, 2) > static_cast<std::uint64_t>(kZipEntriesMax) || number(12, 4) > kDirectoryBytesMax)
-    return refused(path, ErrorCode::unsupported, "has more files than a recording; unpack it and give the folder");
+  int ends = 0;
+  for (std::size_t at = 0; (at = bytes.find("PK\5\6", at)) != std::string::npos; ++at) {
+    if (at + kEndBytes > bytes.size()) break;
+    if (++ends > kEndsMax) return no_archive;
+    if (number(at + 10, 2) > static_cast<std::uint64_t>(kZipEntriesMax) || number(at + 12, 4) > kDirectoryBytesMax)
+      return too_many(path);
+    if (at >= kLocatorBytes && bytes.compare(at - kLocatorBytes, 4, "PK\6\7") == 0)
+      return refused(path, ErrorCode::unsupported,
+                     "has a table of contents for huge archives (zip64); unpack it and give the folder");
+  }
+  if (ends == 0) return no_archive;
   return Ok{};
 }
 
@@ -142,6 +155,7 @@ bool is_inside(const std::string& name) {
 Result<std::vector<Entry>> wanted_entries(zip_t* zip, const std::string& path) {
   std::vector<Entry> entries;
   const zip_int64_t count = zip_get_num_entries(zip, 0);
+  if (count > kZipEntriesMax) return too_many(path);  // libzip takes the count of the archive's end as modulo 65536
   std::uint64_t total = 0;
   for (zip_int64_t i = 0; i < count; ++i) {
     zip_stat_t about;

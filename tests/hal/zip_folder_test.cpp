@@ -92,6 +92,29 @@ class ZipFolder : public testing::Test {
     return source.error().message;
   }
 
+  // An archive with more files than a recording, whose end says something else.
+  void expect_forged_ends_are_refused(const std::string& name) const {
+    put(path("forge.py"), R"(import struct, sys
+data = open(sys.argv[1], 'rb').read()
+rest, end64, locator, end = data[:-98], data[-98:-42], data[-42:-22], data[-22:]
+assert end64[:4] == b'PK\6\6' and locator[:4] == b'PK\6\7' and end[:4] == b'PK\5\6'
+count, size, offset = struct.unpack('<QQQ', end64[32:])
+def make(name, *parts):
+    open(name, 'wb').write(b''.join(parts))
+def classic(count, size, comment=0):
+    return struct.pack('<4s4H2IH', b'PK\5\6', 0, 0, count, count, size, offset, comment)
+make('locator.zip', rest, end64, locator, classic(1, 46))
+make('comment.zip', rest, classic(65535, size, 22), classic(0, 0))
+make('modulo.zip', rest, classic(count % 65536, size))
+make('ends.zip', *[classic(0, 0, 22 * i) for i in reversed(range(9))])
+)");
+    ASSERT_TRUE(run_in(folder_.path(), "python3 forge.py " + name));
+    EXPECT_TRUE(contains(refused("locator.zip"), "(zip64); unpack it and give the folder")) << refused("locator.zip");
+    EXPECT_TRUE(contains(refused("ends.zip"), "is not a whole .zip archive")) << refused("ends.zip");
+    for (const char* forged : {"comment.zip", "modulo.zip"})
+      EXPECT_TRUE(contains(refused(forged), "more files than a recording")) << refused(forged);
+  }
+
   TestFolder folder_;
   std::optional<std::string> before_;
 };
@@ -163,6 +186,7 @@ TEST_F(ZipFolder, HostileArchivesAreRefusedInOneLine) {
   EXPECT_TRUE(contains(refused("bomb.zip"), "of 68157440 bytes, expected at most 67108864"));
   ASSERT_TRUE(zip("many.zip", " for i in range(65600):\n  z.writestr('%d.mp4' % i, b'')\n"));
   EXPECT_TRUE(contains(refused("many.zip"), "more files than a recording"));
+  expect_forged_ends_are_refused("many.zip");
   ASSERT_TRUE(zip("twice.zip", " z.writestr('000000.png', b'x')\n z.writestr('000000.png', b'y')\n"));
   EXPECT_TRUE(contains(refused("twice.zip"), "has the file 000000.png twice")) << refused("twice.zip");
   ASSERT_TRUE(zip("blind.zip", " z.write('frames/000000.png', '000000.png')\n"));
