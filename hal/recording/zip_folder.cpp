@@ -192,7 +192,7 @@ void leave_folder(std::vector<Entry>& entries) {
     const std::size_t slash = first.find('/');
     if (slash == std::string::npos) return;
     const std::string folder = first.substr(0, slash + 1);
-    // depth/ alone is a part of a recording.
+    // depth/ alone may be a part of a recording.
     if (folder == "depth/") return;
     for (const Entry& entry : entries)
       if (entry.name.rfind(folder, 0) != 0) return;
@@ -258,11 +258,23 @@ Status unpack_zip(const std::string& path, const std::string& folder) {
   return Ok{};
 }
 
+// Nothing else is in it.
+bool holds_only(const std::string& folder, const std::string& name) {
+  std::error_code code;
+  std::filesystem::directory_iterator it(folder, code);
+  if (code || it == std::filesystem::directory_iterator() || it->path().filename() != name) return false;
+  it.increment(code);
+  return !code && it == std::filesystem::directory_iterator();
+}
+
 #else
 
 Status unpack_zip(const std::string& path, const std::string&) {
   return Error{ErrorCode::unsupported,
                path + " is an archive, and this build has no libzip; unpack it and give the folder"};
+}
+bool holds_only(const std::string&, const std::string&) {
+  return false;
 }
 
 #endif
@@ -275,6 +287,9 @@ Result<std::unique_ptr<Source>> open_zip(
   if (!folder) return folder.error();
   if (auto ok = unpack_zip(path, folder->path()); !ok) return ok.error();
   auto source = open(folder->path());
+  // A depth folder may have this name itself.
+  if (!source && source.error().code == ErrorCode::not_found && holds_only(folder->path(), "depth"))
+    source = open(folder->path() + "/depth");
   if (!source) return ZipSource::renamed(source.error(), folder->path(), path);
   return std::unique_ptr<Source>(new ZipSource(path, std::move(*folder), std::move(*source)));
 }

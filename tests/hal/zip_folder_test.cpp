@@ -125,6 +125,10 @@ TEST_F(ZipFolder, ADepthFolderIsTheSameInAnArchive) {
   EXPECT_TRUE(nothing_left());
   ASSERT_TRUE(zip("Stored.ZIP", frames_under("my person/"), "zipfile.ZIP_STORED"));
   expect_frames("Stored.ZIP");
+  for (const char* folder : {"depth/", "person/depth/"}) {
+    ASSERT_TRUE(zip("depth.zip", frames_under(folder)));
+    expect_frames("depth.zip");
+  }
   // Written into a pipe, as phones share: sizes stand behind the files.
   zip("/dev/stdout", frames_under(""));
   ASSERT_TRUE(run_in(folder_.path(), "python3 make.py | cat >streamed.zip"));
@@ -155,6 +159,20 @@ TEST_F(ZipFolder, AStrayScannersRecordingIsFoundAmongWhatIsNotRead) {
   ASSERT_TRUE((*folder)->next(expected.image(), 0));
   EXPECT_EQ(out.pixels, expected.pixels);
   EXPECT_FALSE(std::filesystem::exists(path("outside.exe")));
+}
+
+// Names that are times, and no tables.
+TEST_F(ZipFolder, PicturesOfATumFolderKeepTheirs) {
+  std::filesystem::create_directories(path("tum/depth"));
+  for (const char* name : {"100.000000", "100.033333"})
+    write_grey_png(path("tum/depth/" + std::string(name) + ".png"), 640, 480, 16, [](int, int) { return 5000; });
+  ASSERT_TRUE(zip("tum.zip", " for f in sorted(glob.glob('tum/*/*')):\n  z.write(f)\n"));
+  auto source = open_source(path("tum.zip"));
+  ASSERT_TRUE(source) << source.error().message;
+  EXPECT_EQ((*source)->info().frame_count, 2);
+  Picture out(640, 480);
+  ASSERT_TRUE((*source)->next(out.image(), 0));
+  EXPECT_EQ(out.pixels.front(), 1000);
 }
 
 TEST_F(ZipFolder, DamageOfAFrameNamesTheArchive) {
