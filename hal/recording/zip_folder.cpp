@@ -137,6 +137,19 @@ bool is_wanted(const std::string& name) {
   return false;
 }
 
+// Of "./depth/000000.png" (bsdtar) and of PowerShell's backslashes.
+std::string with_slashes(std::string_view name) {
+  std::string plain;
+  for (std::size_t begin = 0; begin <= name.size();) {
+    const std::size_t end = std::min(name.find_first_of("/\\", begin), name.size());
+    const std::string_view part = name.substr(begin, end - begin);
+    if (part != ".") plain.append(part);
+    if (part != "." && end < name.size()) plain += '/';
+    begin = end + 1;
+  }
+  return plain;
+}
+
 // Plain names between slashes.
 bool is_inside(const std::string& name) {
   constexpr std::size_t kPartMax = 200;
@@ -146,7 +159,7 @@ bool is_inside(const std::string& name) {
     const std::string_view part = std::string_view(name).substr(begin, end - begin);
     if (part.empty() || part == "." || part == ".." || part.size() > kPartMax || ++parts > kDepthMax) return false;
     for (const char c : part)
-      if (static_cast<unsigned char>(c) < 0x20 || c == '\\' || c == 0x7F) return false;
+      if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) return false;
     if (end == name.size()) return true;
     begin = end + 1;
   }
@@ -163,7 +176,7 @@ Result<std::vector<Entry>> wanted_entries(zip_t* zip, const std::string& path) {
     if (zip_stat_index(zip, static_cast<zip_uint64_t>(i), 0, &about) != 0 || about.name == nullptr ||
         (about.valid & ZIP_STAT_SIZE) == 0)
       return refused(path, ErrorCode::corrupt, "has a damaged table of contents; copy it again");
-    const std::string name = about.name;
+    const std::string name = with_slashes(about.name);
     if (!is_wanted(name)) continue;
     const std::string shown = excerpt(name);
     if (!is_inside(name))

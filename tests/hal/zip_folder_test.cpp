@@ -129,6 +129,12 @@ TEST_F(ZipFolder, ADepthFolderIsTheSameInAnArchive) {
     ASSERT_TRUE(zip("depth.zip", frames_under(folder)));
     expect_frames("depth.zip");
   }
+  // bsdtar's and PowerShell's names.
+  for (const char* folder : {"./", "./person/./", "person\\\\", ".\\\\"}) {
+    ASSERT_TRUE(zip("named.zip", " for f in sorted(glob.glob('frames/*.*')):\n  z.writestr(f.replace('frames/', '" +
+                                     std::string(folder) + "', 1), open(f, 'rb').read())\n"));
+    expect_frames("named.zip");
+  }
   // Written into a pipe, as phones share: sizes stand behind the files.
   zip("/dev/stdout", frames_under(""));
   ASSERT_TRUE(run_in(folder_.path(), "python3 make.py | cat >streamed.zip"));
@@ -196,7 +202,8 @@ TEST_F(ZipFolder, HostileArchivesAreRefusedInOneLine) {
   EXPECT_TRUE(contains(refused("text.zip"), "is not a whole .zip archive"));
   ASSERT_TRUE(zip("nothing.zip", " z.writestr('rgb.mp4', b'x')\n"));
   EXPECT_TRUE(contains(refused("nothing.zip"), "holds no pictures"));
-  for (const char* name : {"../out.png", "/out.png", "a/../../out.png", "a//b.png", "a\\\\b.png"}) {
+  for (const char* name : {"../out.png", "/out.png", "a/../../out.png", "a//b.png", "..\\\\out.png", "\\\\out.png",
+                           "a\\\\..\\\\..\\\\out.png", "./../out.png", ".//out.png"}) {
     ASSERT_TRUE(zip("out.zip", " z.writestr('" + std::string(name) + "', b'x')\n"));
     EXPECT_TRUE(contains(refused("out.zip"), "lies outside of it")) << name;
   }
