@@ -219,6 +219,9 @@ Status unpack_entry(zip_t* zip, const Entry& entry, const std::string& path, con
     return refused(path, ErrorCode::corrupt, "is damaged at " + excerpt(entry.name) + "; copy it again");
   };
   zip_file_t* in = zip_fopen_index(zip, entry.index, 0);
+  if (in == nullptr && zip_error_code_zip(zip_get_error(zip)) == ZIP_ER_COMPNOTSUPP)
+    return refused(path, ErrorCode::unsupported,
+                   "is compressed by a method this build does not read; unpack it and give the folder");
   if (in == nullptr) return damaged();
   const int out = ::open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
   Status status = Ok{};

@@ -218,6 +218,20 @@ TEST_F(ZipFolder, HostileArchivesAreRefusedInOneLine) {
   EXPECT_TRUE(contains(refused("blind.zip"), "camera.yaml is missing")) << refused("blind.zip");
 }
 
+TEST_F(ZipFolder, AnotherCompressionIsNoDamage) {
+  ASSERT_TRUE(zip("whole.zip", frames_under("")));
+  const auto whole = read_file(path("whole.zip"));
+  ASSERT_TRUE(whole);
+  std::string bytes(reinterpret_cast<const char*>(whole->data()), whole->size());
+  constexpr char kPpmd = 98;
+  for (std::size_t at = 0; (at = bytes.find("PK\3\4", at)) != std::string::npos; ++at) bytes[at + 8] = kPpmd;
+  for (std::size_t at = 0; (at = bytes.find("PK\1\2", at)) != std::string::npos; ++at) bytes[at + 10] = kPpmd;
+  put(path("ppmd.zip"), bytes);
+  EXPECT_EQ(open_source(path("ppmd.zip")).error().code, ErrorCode::unsupported);
+  EXPECT_TRUE(contains(refused("ppmd.zip"), "is compressed by a method this build does not read; unpack it"))
+      << refused("ppmd.zip");
+}
+
 TEST_F(ZipFolder, AChangedOrMissingPartGivesFramesOrOneLine) {
   ASSERT_TRUE(zip("whole.zip", frames_under("")));
   const auto whole = read_file(path("whole.zip"));
