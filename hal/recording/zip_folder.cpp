@@ -283,20 +283,11 @@ bool holds_only(const std::string& folder, const std::string& name) {
   return !code && it == std::filesystem::directory_iterator();
 }
 
-#else
-
-Status unpack_zip(const std::string& path, const std::string&) {
-  return Error{ErrorCode::unsupported,
-               path + " is an archive, and this build has no libzip; unpack it and give the folder"};
-}
-bool holds_only(const std::string&, const std::string&) {
-  return false;
-}
-
 #endif
 
 }  // namespace
 
+#if IM2FIT_HAVE_ZIP
 Result<std::unique_ptr<Source>> open_zip(
     const std::string& path, const std::function<Result<std::unique_ptr<Source>>(const std::string& folder)>& open) {
   auto folder = TemporaryFolder::make();
@@ -309,6 +300,13 @@ Result<std::unique_ptr<Source>> open_zip(
   if (!source) return ZipSource::renamed(source.error(), folder->path(), path);
   return std::unique_ptr<Source>(new ZipSource(path, std::move(*folder), std::move(*source)));
 }
+#else
+Result<std::unique_ptr<Source>> open_zip(const std::string& path,
+                                         const std::function<Result<std::unique_ptr<Source>>(const std::string&)>&) {
+  return Error{ErrorCode::unsupported,
+               path + " is an archive, and this build has no libzip; unpack it and give the folder"};
+}
+#endif
 
 const FolderSource* folder_of(const Source& source) {
   const auto* zip = dynamic_cast<const ZipSource*>(&source);
