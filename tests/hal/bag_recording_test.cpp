@@ -105,9 +105,13 @@ TEST_F(BagRecording, RealSensesTopicsHaveTheFoldersBits) {
 }
 
 TEST_F(BagRecording, CompressedChunksHaveThemToo) {
-  for (const char* compression : {"bz2", "lz4"}) {
+  for (const char* name : {"bz2", "lz4"}) {
+    const std::string compression = name;
     ASSERT_TRUE(write("a.bag", "realsense", compression));
-    expect_frames("a.bag", plain());
+    if (compression == "bz2" ? IM2FIT_HAVE_BZIP2 : IM2FIT_HAVE_LZ4)
+      expect_frames("a.bag", plain());
+    else
+      EXPECT_TRUE(contains(refused("a.bag"), "and this build has no lib" + compression)) << refused("a.bag");
   }
 }
 
@@ -173,6 +177,7 @@ TEST_F(BagRecording, OtherFilesAndOnesCutOffAreRefusedInOneLine) {
   }
 }
 
+#if IM2FIT_HAVE_LZ4
 TEST_F(BagRecording, ADamagedChunkIsPassedOver) {
   ASSERT_TRUE(write("a.bag", "metres", "lz4"));
   auto bytes = read_file(path("a.bag"));
@@ -199,6 +204,7 @@ TEST_F(BagRecording, ADamagedChunkIsPassedOver) {
   EXPECT_EQ(damaged, 1);
   EXPECT_EQ(good, kFrames - 1);
 }
+#endif
 
 TEST_F(BagRecording, CompressedChunksHaveALimit) {
   ASSERT_TRUE(write("a.bag", "ros", "bz2"));

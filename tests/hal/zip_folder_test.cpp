@@ -119,6 +119,7 @@ make('ends.zip', *[classic(0, 0, 22 * i) for i in reversed(range(9))])
   std::optional<std::string> before_;
 };
 
+#if IM2FIT_HAVE_ZIP
 TEST_F(ZipFolder, ADepthFolderIsTheSameInAnArchive) {
   ASSERT_TRUE(zip("plain.zip", frames_under("")));
   expect_frames("plain.zip");
@@ -275,6 +276,15 @@ TEST_F(ZipFolder, TheTemporaryFolderGoesWithAProgramThatIsKilled) {
   ::close(ready[0]);
   ::close(ready[1]);
 }
+
+#else
+
+TEST_F(ZipFolder, IsRefusedByNameWithoutLibzip) {
+  ASSERT_TRUE(zip("a.zip", frames_under("")));
+  EXPECT_TRUE(contains(refused("a.zip"), "this build has no libzip; unpack it and give the folder"));
+}
+
+#endif
 
 }  // namespace
 }  // namespace im2fit::hal
