@@ -277,6 +277,28 @@ TEST_F(ZipFolder, TheTemporaryFolderGoesWithAProgramThatIsKilled) {
   ::close(ready[1]);
 }
 
+// A program without input and output: their numbers are free, and what it prints all the same goes nowhere.
+TEST_F(ZipFolder, WhatAProgramPrintsDoesNotEndItsFolder) {
+  ASSERT_TRUE(zip("a.zip", frames_under("")));
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    ::close(STDIN_FILENO);
+    ::close(STDOUT_FILENO);
+    const auto source = open_source(path("a.zip"));
+    for (const int number : {STDIN_FILENO, STDOUT_FILENO})
+      if (::write(number, "words\n", 6) >= 0) ::_exit(2);
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    ::_exit(source && !nothing_left() ? 0 : 1);
+  }
+  int status = -1;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  for (int i = 0; i < 500 && !nothing_left(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_TRUE(nothing_left());
+}
+
 #else
 
 TEST_F(ZipFolder, IsRefusedByNameWithoutLibzip) {
