@@ -38,7 +38,8 @@ TemporaryFolder::~TemporaryFolder() {
   if (path_.empty()) return;
   std::error_code ignored;
   std::filesystem::remove_all(path_, ignored);
-  if (watcher_ > 0 && ::kill(watcher_, SIGKILL) == 0)
+  // A program that waits for all its children may have taken this one's end: its number may be another's by now.
+  if (watcher_ > 0 && ::waitpid(watcher_, nullptr, WNOHANG) == 0 && ::kill(watcher_, SIGKILL) == 0)
     while (::waitpid(watcher_, nullptr, 0) < 0 && errno == EINTR) {
     }
   if (pipe_ >= 0) ::close(pipe_);
