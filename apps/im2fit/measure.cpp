@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
+#include <filesystem>
 #include <optional>
 
 #include "apps/common/progress.h"
 #include "apps/im2fit/commands.h"
 #include "apps/im2fit/preview_renderer.h"
 #include "apps/im2fit/session.h"
+#include "hal/folder/other_recordings.h"
 #include "hal/open/open.h"
 
 namespace im2fit::apps {
@@ -28,6 +30,9 @@ Result<int> run_measure(const SessionOptions& options) {
 Result<int> run_measure_scan(const SessionOptions& options) {
   const std::string& source = options.input.source;
   if (hal::is_scan(source)) return run_measure(options);
+  std::error_code code;
+  if (std::filesystem::is_regular_file(source, code))
+    if (auto other = hal::other_recording(source)) return *other;  // a mesh of another kind, for example
   return Error{ErrorCode::invalid_argument,
                source +
                    " is no scan; expected a file whose name ends in .ply, .obj, .glb or .pcd. A camera or a "

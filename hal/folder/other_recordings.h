@@ -9,7 +9,7 @@
 
 namespace im2fit::hal {
 
-// A file by its ending: .mkv, .bag, .r3d, videos, single pictures, archives, meshes of other kinds. None: unknown.
+// A file by its ending: .db3, .mcap, .r3d, videos, single pictures, archives, meshes of other kinds. None: unknown.
 std::optional<Error> other_recording(const std::string& path);
 // A folder without frames by the files in it or in its depth/: .npy, .raw, .tiff, .exr, videos, pictures under other
 // names. None: nothing of these.

@@ -84,8 +84,9 @@ Status unpack_lz4(FileCursor& file, std::uint32_t packed, std::vector<std::byte>
 Status unpack_chunk(FileCursor& file, [[maybe_unused]] std::uint32_t packed, const std::string& compression,
                     std::uint32_t size, std::vector<std::byte>& out) {
   if (size > kBagChunkMax)
-    return Error{ErrorCode::corrupt, file.path() + ": a chunk of " + std::to_string(size) +
-                                         " bytes, expected at most " + std::to_string(kBagChunkMax)};
+    return Error{ErrorCode::unsupported, file.path() + " has a compressed chunk of " + std::to_string(size) +
+                                             " bytes, expected at most " + std::to_string(kBagChunkMax) +
+                                             "; write it plain by: rosbag decompress FILE"};
   const auto resized = [&] { out.resize(size); };
   const auto missing = [&](const std::string& library) {
     return Error{ErrorCode::unsupported, file.path() + " is compressed by " + compression +

@@ -12,8 +12,8 @@
 
 namespace im2fit::hal {
 
-// Reads `packed` bytes and makes `size` of them, at most kBagChunkMax. `compression` is bz2 or lz4. Errors: corrupt,
-// unsupported (another word, or a library that is not in this build), io.
+// Reads `packed` bytes and makes `size` of them. `compression` is bz2 or lz4. Errors: corrupt, unsupported (more than
+// kBagChunkMax, another word, or a library that is not in this build), io.
 Status unpack_chunk(FileCursor& file, std::uint32_t packed, const std::string& compression, std::uint32_t size,
                     std::vector<std::byte>& out);
 

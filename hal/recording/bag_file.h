@@ -40,8 +40,8 @@ class BagFile {
   const std::string& path() const { return file_.path(); }
   const std::map<std::uint32_t, BagConnection>& connections() const { return connections_; }
   void rewind();
-  // None: there are no more. Errors: corrupt (a chunk is passed over, or nothing follows), unsupported (compressed,
-  // and not in this build; nothing follows), io.
+  // None: there are no more. Errors: corrupt (a chunk is passed over, or nothing follows), unsupported (a
+  // compression that is not in this build, or a chunk of more than kBagChunkMax; nothing follows), io.
   Result<std::optional<BagMessage>> next();
 
  private:

@@ -32,7 +32,7 @@ class MessageFields {
   std::string text() {
     const std::uint32_t size = u32();
     if (size > kWordMax) fail();
-    std::string out(failed_ ? 0 : size, '\0');
+    std::string out(status_ ? size : 0, '\0');
     take(std::as_writable_bytes(std::span(out)));
     return out;
   }
@@ -45,21 +45,22 @@ class MessageFields {
     return seconds * 1'000'000'000 + rest;
   }
   std::uint32_t left() const { return left_; }
-  void fail() { failed_ = true; }
-  Status status() const {
-    if (!failed_) return Ok{};
-    return Error{ErrorCode::corrupt, what_ + ": a message is not as its type says; copy or record it again"};
+  void fail() {
+    if (status_)
+      status_ = Error{ErrorCode::corrupt, what_ + ": a message is not as its type says; copy or record it again"};
   }
+  const Status& status() const { return status_; }
 
  private:
   void take(std::span<std::byte> out) {
-    if (failed_ || out.size() > left_ || !message_.data->read(out)) return fail();
-    left_ -= static_cast<std::uint32_t>(out.size());
+    if (out.size() > left_) fail();
+    if (status_) status_ = message_.data->read(out);
+    if (status_) left_ -= static_cast<std::uint32_t>(out.size());
   }
   const BagMessage& message_;
   const std::string& what_;
   std::uint32_t left_;
-  bool failed_ = false;
+  Status status_ = Ok{};
 };
 
 std::size_t pixel_bytes(const std::string& encoding) {

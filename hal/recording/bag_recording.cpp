@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "hal/folder/pose_rows.h"
 #include "hal/recording/bag_file.h"
 #include "hal/recording/bag_messages.h"
+#include "hal/recording/frame_times.h"
 
 namespace im2fit::hal {
 namespace {
@@ -38,7 +40,7 @@ std::optional<int> rank_of(const BagConnection& connection) {
 }
 
 struct Topics {
-  std::uint32_t depth = 0;
+  std::set<std::uint32_t> depth;  // connections
   std::string depth_name, info_name, unit_name;
   std::int64_t count = 0;
   bool realsense = false;
@@ -60,7 +62,8 @@ Error no_depth(const BagFile& bag) {
                                     (list.empty() ? "none" : list) + "); record the depth stream"};
 }
 
-// One topic may have several connections, of several writers: the first is taken.
+// One topic has a connection for each that wrote to it: a camera's node that was started again, bags that were
+// joined.
 Result<Topics> find_topics(const BagFile& bag) {
   Topics topics;
   std::optional<int> best;
@@ -69,15 +72,19 @@ Result<Topics> find_topics(const BagFile& bag) {
   for (const auto& [id, connection] : bag.connections()) {
     const auto rank = rank_of(connection);
     if (!rank || (best && *rank > *best)) continue;
-    tied = best && *rank == *best;
-    if (tied) {
+    if (best && *rank == *best && connection.topic != topics.depth_name) {
+      tied = true;
       other = connection.topic;
       continue;
     }
-    best = rank;
-    topics.depth = id;
-    topics.depth_name = connection.topic;
-    topics.count = connection.message_count;
+    if (!best || *rank < *best) {
+      best = rank;
+      tied = false;
+      topics = Topics();
+      topics.depth_name = connection.topic;
+    }
+    topics.depth.insert(id);
+    topics.count += connection.message_count;
   }
   if (!best) return no_depth(bag);
   if (tied)
@@ -109,7 +116,7 @@ Result<CameraFile> calibration_of(const BagCameraInfo& info, bool rectified, con
   for (const char c : info.model)
     if ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == ' ' || c == '_')
       model += c;
-  if (model == "None") model.clear();
+  if (model == "None" || rectified) model.clear();  // a fisheye's lens is undone, too
   for (const double value : info.distortion)
     coefficients += (coefficients.empty() ? "" : ", ") + number(rectified ? 0 : value);
   const auto k = [&](std::size_t in_k, std::size_t in_p) { return number(projected ? info.p[in_p] : info.k[in_k]); };
@@ -150,7 +157,7 @@ class BagReader final : public FrameReader {
                                      ? kNoTopic
                                      : bag_->connections().at((*message)->connection).topic;
       Status status = Ok{};
-      if ((*message)->connection == topics_.depth && !head.image)
+      if (topics_.depth.count((*message)->connection) != 0 && !head.image)
         status = keep(read_bag_image(**message, what_), head.image);
       else if (topic == topics_.info_name && !head.info)
         status = keep(read_bag_camera_info(**message, bag_->path() + " (" + excerpt(topic) + ")"), head.info);
@@ -166,7 +173,7 @@ class BagReader final : public FrameReader {
   Status rewind() override {
     bag_->rewind();
     sequence_ = 0;
-    last_ns_ = -1;
+    times_.restart();
     return Ok{};
   }
 
@@ -177,7 +184,7 @@ class BagReader final : public FrameReader {
       if (!*message)
         return Error{ErrorCode::end_of_stream,
                      bag_->path() + ": all " + std::to_string(sequence_) + " frames were delivered"};
-      if ((*message)->connection == topics_.depth) return frame(**message, picture);
+      if (topics_.depth.count((*message)->connection) != 0) return frame(**message, picture);
     }
   }
 
@@ -216,9 +223,9 @@ class BagReader final : public FrameReader {
     FrameInfo info;
     info.sequence = sequence_++;
     const std::string where = what_ + ": frame " + std::to_string(info.sequence);
-    if (message.time_ns <= last_ns_ || message.time_ns > kRecordedTimeMaxNs)
-      return Error{ErrorCode::corrupt, where + " has a time that is not after the frame before; record it again"};
-    info.host_ns = last_ns_ = message.time_ns;
+    const auto time_ns = times_.take(message.time_ns);
+    if (!time_ns) return FrameTimes::refused(where);
+    info.host_ns = *time_ns;
     const auto image = read_bag_image(message, where);
     if (!image) return image.error();
     if (image->stamp_ns > 0) info.device_us = image->stamp_ns / 1000;
@@ -228,8 +235,10 @@ class BagReader final : public FrameReader {
                                            std::to_string(image->height) + ", expected " +
                                            std::to_string(picture.width) + "x" + std::to_string(picture.height) +
                                            " like the first"};
-    if (auto ok = read_bag_pixels(message, *image, unit_mm_, picture, row_, where); !ok)
-      return Error{ErrorCode::corrupt, ok.error().message};
+    if (auto ok = read_bag_pixels(message, *image, unit_mm_, picture, row_, where); !ok) {
+      if (ok.error().code != ErrorCode::unsupported) return ok.error();
+      return Error{ErrorCode::corrupt, ok.error().message};  // of this picture alone
+    }
     return info;
   }
 
@@ -239,7 +248,7 @@ class BagReader final : public FrameReader {
   double unit_mm_ = 1;
   std::vector<std::byte> row_;
   std::uint64_t sequence_ = 0;
-  std::int64_t last_ns_ = -1;
+  FrameTimes times_;
 };
 
 }  // namespace

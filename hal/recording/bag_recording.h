@@ -15,7 +15,8 @@ namespace im2fit::hal {
 // Pictures are mono16 or 16UC1 (mm; RealSense's in its option Depth_Units) or 32FC1 (m). The calibration is
 // the first camera_info beside them; `options` may replace it.
 // Open errors: not_found (no depth topic, no camera_info), invalid_argument (several depth topics), corrupt,
-// unsupported, io. A damaged chunk gives `corrupt` once, and those behind it are read.
+// unsupported, io. A damaged chunk gives `corrupt` once, and those behind it are read; so does a wrong
+// time (frame_times.h).
 Result<std::unique_ptr<Source>> open_bag_recording(const std::string& path, const RecordingOptions& options);
 Result<std::unique_ptr<Source>> open_bag_recording(FileCursor file, const RecordingOptions& options);
 

@@ -10,6 +10,7 @@
 
 #include "core/text.h"
 #include "hal/folder/camera_yaml.h"
+#include "hal/recording/frame_times.h"
 #include "hal/recording/matroska.h"
 
 namespace im2fit::hal {
@@ -147,7 +148,7 @@ class KinectReader final : public FrameReader {
   Status rewind() override {
     blocks_.restart(begin_);
     sequence_ = 0;
-    last_ns_ = -1;
+    times_.restart();
     return Ok{};
   }
 
@@ -161,11 +162,11 @@ class KinectReader final : public FrameReader {
     info.sequence = sequence_++;
     const std::string where = file_.path() + ": frame " + std::to_string(info.sequence);
     const auto time = (*block)->time;
-    if (time < 0 ||
-        static_cast<std::uint64_t>(time) > static_cast<std::uint64_t>(kRecordedTimeMaxNs / 2) / scale_ns_ ||
-        time * static_cast<std::int64_t>(scale_ns_) <= last_ns_)
-      return Error{ErrorCode::corrupt, where + " has a time that is not after the frame before; record it again"};
-    info.host_ns = last_ns_ = time * static_cast<std::int64_t>(scale_ns_);
+    if (time < 0 || static_cast<std::uint64_t>(time) > static_cast<std::uint64_t>(kRecordedTimeMaxNs / 2) / scale_ns_)
+      return FrameTimes::refused(where);
+    const auto time_ns = times_.take(time * static_cast<std::int64_t>(scale_ns_));
+    if (!time_ns) return FrameTimes::refused(where);
+    info.host_ns = *time_ns;
     if (offset_ns_ >= 0) info.device_us = (info.host_ns + offset_ns_) / 1000;
     const auto pixels = static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
     if ((*block)->size != pixels * sizeof(std::uint16_t))
@@ -183,8 +184,9 @@ class KinectReader final : public FrameReader {
   FileCursor file_;
   MatroskaBlocks blocks_;
   std::uint64_t begin_, scale_ns_;
-  std::int64_t offset_ns_, last_ns_ = -1;
+  std::int64_t offset_ns_;
   std::uint64_t sequence_ = 0;
+  FrameTimes times_;
 };
 
 }  // namespace

@@ -38,7 +38,8 @@ TemporaryFolder::~TemporaryFolder() {
   if (path_.empty()) return;
   std::error_code ignored;
   std::filesystem::remove_all(path_, ignored);
-  if (watcher_ > 0 && ::kill(watcher_, SIGKILL) == 0)
+  // A program that waits for all its children may have taken this one's end: its number may be another's by now.
+  if (watcher_ > 0 && ::waitpid(watcher_, nullptr, WNOHANG) == 0 && ::kill(watcher_, SIGKILL) == 0)
     while (::waitpid(watcher_, nullptr, 0) < 0 && errno == EINTR) {
     }
   if (pipe_ >= 0) ::close(pipe_);
@@ -48,10 +49,30 @@ TemporaryFolder::~TemporaryFolder() {
 // An app has its own place for temporary files, and the system's shell is not for it.
 void TemporaryFolder::watch() {}
 #else
+namespace {
+
+// In a program whose input and output are closed, a pipe could take their numbers, and what is printed would go
+// there.
+bool open_pipe(int (&ends)[2]) {
+  constexpr int kFirst = STDERR_FILENO + 1;
+  if (::pipe2(ends, O_CLOEXEC) != 0) return false;
+  for (int& end : ends) {
+    if (end >= kFirst) continue;
+    const int low = std::exchange(end, ::fcntl(end, F_DUPFD_CLOEXEC, kFirst));
+    ::close(low);
+  }
+  if (ends[0] >= 0 && ends[1] >= 0) return true;
+  for (const int end : ends)
+    if (end >= 0) ::close(end);
+  return false;
+}
+
+}  // namespace
+
 // Ctrl-C and hang-ups reach a whole group of processes: the shell is in another, and ignores them.
 void TemporaryFolder::watch() {
   int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0) return;
+  if (!open_pipe(ends)) return;
   posix_spawn_file_actions_t actions;
   posix_spawnattr_t attributes;
   ::posix_spawn_file_actions_init(&actions);
@@ -61,7 +82,8 @@ void TemporaryFolder::watch() {
   ::posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   ::posix_spawnattr_setpgroup(&attributes, 0);
-  const std::string words[] = {"sh", "-c", "trap '' INT TERM HUP; read -r nothing; rm -rf -- \"$0\"", path_};
+  const std::string words[] = {"sh", "-c",
+                               "trap '' INT TERM HUP; while read -r nothing; do :; done; rm -rf -- \"$0\"", path_};
   char* const arguments[] = {const_cast<char*>(words[0].c_str()), const_cast<char*>(words[1].c_str()),
                              const_cast<char*>(words[2].c_str()), const_cast<char*>(words[3].c_str()), nullptr};
   pid_t child = -1;

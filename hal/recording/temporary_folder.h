@@ -8,7 +8,8 @@
 namespace im2fit::hal {
 
 // A new folder that its owner alone can read. It is removed with this object, and when the process ends without that
-// (a signal, kill -9): a shell waits for the end of a pipe. Without a shell only the first holds.
+// (a signal, kill -9): a shell waits for the end of a pipe. Without a shell, or when it is killed at the same time,
+// only the first holds.
 class TemporaryFolder {
  public:
   // Errors: io.

@@ -69,34 +69,47 @@ class ZipSource final : public Source {
 #if IM2FIT_HAVE_ZIP
 
 constexpr std::size_t kFileBytesMax = std::size_t{64} << 20;           // as a depth folder's
-constexpr std::uint64_t kDirectoryBytesMax = std::uint64_t{64} << 20;  // of the archive's table of contents
+constexpr std::uint64_t kDirectoryBytesMax = std::uint64_t{16} << 20;  // of the archive's table of contents
 constexpr zip_int64_t kZipEntriesMax = 65'534;                         // more have another table of contents (zip64)
 constexpr std::size_t kDepthMax = 8;
 
 Error refused(const std::string& path, ErrorCode code, const std::string& problem) {
   return {code, path + " " + problem};
 }
+Error too_many(const std::string& path) {
+  return refused(path, ErrorCode::unsupported, "has more files than a recording; unpack it and give the folder");
+}
 
-// The end of the archive names the size of its table of contents, which libzip reads whole.
+// The end of the archive names the size of its table of contents, which libzip reads whole. What looks like an end is
+// one for libzip, in the archive's comment, too; before it may stand the locator of another end, which libzip
+// prefers.
 Status check_directory(const std::string& path) {
-  constexpr std::size_t kEndBytes = 22, kCommentMax = 65535;
+  constexpr std::size_t kEndBytes = 22, kCommentMax = 65535, kLocatorBytes = 20;
+  constexpr int kEndsMax = 4;  // libzip reads a table of contents for each
   auto file = FileCursor::open(path);
   if (!file) return file.error();
-  const std::uint64_t tail = std::min<std::uint64_t>(file->size(), kEndBytes + kCommentMax);
+  const std::uint64_t tail = std::min<std::uint64_t>(file->size(), kLocatorBytes + kEndBytes + kCommentMax);
   std::string bytes(static_cast<std::size_t>(tail), '\0');
   file->seek(file->size() - tail);
   if (auto ok = file->read(std::as_writable_bytes(std::span(bytes))); !ok) return ok;
   const Error no_archive = refused(path, ErrorCode::corrupt,
                                    "is not a whole .zip archive; copy it again, or unpack it and give the folder");
-  const std::size_t at = bytes.rfind(std::string_view("PK\5\6", 4));
-  if (at == std::string::npos || at + kEndBytes > bytes.size()) return no_archive;
-  const auto number = [&](std::size_t place, std::size_t size) {
+  const auto number = [&](std::size_t at, std::size_t size) {
     std::uint64_t value = 0;
-    for (std::size_t i = size; i-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[at + place + i]);
+    for (std::size_t i = size; i-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
     return value;
   };
-  if (number(10, 2) > static_cast<std::uint64_t>(kZipEntriesMax) || number(12, 4) > kDirectoryBytesMax)
-    return refused(path, ErrorCode::unsupported, "has more files than a recording; unpack it and give the folder");
+  int ends = 0;
+  for (std::size_t at = 0; (at = bytes.find("PK\5\6", at)) != std::string::npos; ++at) {
+    if (at + kEndBytes > bytes.size()) break;
+    if (++ends > kEndsMax) return no_archive;
+    if (number(at + 10, 2) > static_cast<std::uint64_t>(kZipEntriesMax) || number(at + 12, 4) > kDirectoryBytesMax)
+      return too_many(path);
+    if (at >= kLocatorBytes && bytes.compare(at - kLocatorBytes, 4, "PK\6\7") == 0)
+      return refused(path, ErrorCode::unsupported,
+                     "has a table of contents for huge archives (zip64); unpack it and give the folder");
+  }
+  if (ends == 0) return no_archive;
   return Ok{};
 }
 
@@ -124,6 +137,19 @@ bool is_wanted(const std::string& name) {
   return false;
 }
 
+// Of "./depth/000000.png" (bsdtar) and of PowerShell's backslashes.
+std::string with_slashes(std::string_view name) {
+  std::string plain;
+  for (std::size_t begin = 0; begin <= name.size();) {
+    const std::size_t end = std::min(name.find_first_of("/\\", begin), name.size());
+    const std::string_view part = name.substr(begin, end - begin);
+    if (part != ".") plain.append(part);
+    if (part != "." && end < name.size()) plain += '/';
+    begin = end + 1;
+  }
+  return plain;
+}
+
 // Plain names between slashes.
 bool is_inside(const std::string& name) {
   constexpr std::size_t kPartMax = 200;
@@ -133,7 +159,7 @@ bool is_inside(const std::string& name) {
     const std::string_view part = std::string_view(name).substr(begin, end - begin);
     if (part.empty() || part == "." || part == ".." || part.size() > kPartMax || ++parts > kDepthMax) return false;
     for (const char c : part)
-      if (static_cast<unsigned char>(c) < 0x20 || c == '\\' || c == 0x7F) return false;
+      if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) return false;
     if (end == name.size()) return true;
     begin = end + 1;
   }
@@ -142,6 +168,7 @@ bool is_inside(const std::string& name) {
 Result<std::vector<Entry>> wanted_entries(zip_t* zip, const std::string& path) {
   std::vector<Entry> entries;
   const zip_int64_t count = zip_get_num_entries(zip, 0);
+  if (count > kZipEntriesMax) return too_many(path);  // libzip takes the count of the archive's end as modulo 65536
   std::uint64_t total = 0;
   for (zip_int64_t i = 0; i < count; ++i) {
     zip_stat_t about;
@@ -149,7 +176,7 @@ Result<std::vector<Entry>> wanted_entries(zip_t* zip, const std::string& path) {
     if (zip_stat_index(zip, static_cast<zip_uint64_t>(i), 0, &about) != 0 || about.name == nullptr ||
         (about.valid & ZIP_STAT_SIZE) == 0)
       return refused(path, ErrorCode::corrupt, "has a damaged table of contents; copy it again");
-    const std::string name = about.name;
+    const std::string name = with_slashes(about.name);
     if (!is_wanted(name)) continue;
     const std::string shown = excerpt(name);
     if (!is_inside(name))
@@ -178,7 +205,7 @@ void leave_folder(std::vector<Entry>& entries) {
     const std::size_t slash = first.find('/');
     if (slash == std::string::npos) return;
     const std::string folder = first.substr(0, slash + 1);
-    // depth/ alone is a part of a recording.
+    // depth/ alone may be a part of a recording.
     if (folder == "depth/") return;
     for (const Entry& entry : entries)
       if (entry.name.rfind(folder, 0) != 0) return;
@@ -192,6 +219,9 @@ Status unpack_entry(zip_t* zip, const Entry& entry, const std::string& path, con
     return refused(path, ErrorCode::corrupt, "is damaged at " + excerpt(entry.name) + "; copy it again");
   };
   zip_file_t* in = zip_fopen_index(zip, entry.index, 0);
+  if (in == nullptr && zip_error_code_zip(zip_get_error(zip)) == ZIP_ER_COMPNOTSUPP)
+    return refused(path, ErrorCode::unsupported,
+                   "is compressed by a method this build does not read; unpack it and give the folder");
   if (in == nullptr) return damaged();
   const int out = ::open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
   Status status = Ok{};
@@ -244,26 +274,39 @@ Status unpack_zip(const std::string& path, const std::string& folder) {
   return Ok{};
 }
 
-#else
-
-Status unpack_zip(const std::string& path, const std::string&) {
-  return Error{ErrorCode::unsupported,
-               path + " is an archive, and this build has no libzip; unpack it and give the folder"};
+// Nothing else is in it.
+bool holds_only(const std::string& folder, const std::string& name) {
+  std::error_code code;
+  std::filesystem::directory_iterator it(folder, code);
+  if (code || it == std::filesystem::directory_iterator() || it->path().filename() != name) return false;
+  it.increment(code);
+  return !code && it == std::filesystem::directory_iterator();
 }
 
 #endif
 
 }  // namespace
 
+#if IM2FIT_HAVE_ZIP
 Result<std::unique_ptr<Source>> open_zip(
     const std::string& path, const std::function<Result<std::unique_ptr<Source>>(const std::string& folder)>& open) {
   auto folder = TemporaryFolder::make();
   if (!folder) return folder.error();
   if (auto ok = unpack_zip(path, folder->path()); !ok) return ok.error();
   auto source = open(folder->path());
+  // A depth folder may have this name itself.
+  if (!source && source.error().code == ErrorCode::not_found && holds_only(folder->path(), "depth"))
+    source = open(folder->path() + "/depth");
   if (!source) return ZipSource::renamed(source.error(), folder->path(), path);
   return std::unique_ptr<Source>(new ZipSource(path, std::move(*folder), std::move(*source)));
 }
+#else
+Result<std::unique_ptr<Source>> open_zip(const std::string& path,
+                                         const std::function<Result<std::unique_ptr<Source>>(const std::string&)>&) {
+  return Error{ErrorCode::unsupported,
+               path + " is an archive, and this build has no libzip; unpack it and give the folder"};
+}
+#endif
 
 const FolderSource* folder_of(const Source& source) {
   const auto* zip = dynamic_cast<const ZipSource*>(&source);

@@ -16,9 +16,10 @@ inline constexpr std::uint64_t kZipBytesMax = std::uint64_t{4} << 30;  // of wha
 
 // Opens what `open` finds in the folder. Pictures and tables alone are unpacked (.png, .pgm, .csv, .yaml, .json,
 // .txt), without the one folder that they may all be in. The folder, which its owner alone can read, is removed with
-// the source, after any error, and by a process that waits for the end of this one, however it ends. Errors name the
-// archive: corrupt (damage, names that lead out of it), unsupported (encrypted, more or larger files than a recording
-// has, a build without libzip), io (no room), and those of `open`.
+// the source, after any error, and, where this process is killed, by a shell that waits for its end (not on Android).
+// It stays when both are killed at once, with their container, for example. Errors name the archive: corrupt (damage,
+// names that lead out of it), unsupported (encrypted, compressed in another way, more or larger files than a
+// recording has, zip64, a build without libzip), io (no room), and those of `open`.
 Result<std::unique_ptr<Source>> open_zip(
     const std::string& path, const std::function<Result<std::unique_ptr<Source>>(const std::string& folder)>& open);
 

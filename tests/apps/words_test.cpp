@@ -252,6 +252,10 @@ TEST(Words, MeasureScanRefusesWhatIsNoScan) {
     EXPECT_THAT(run.err, testing::HasSubstr("im2fit measure " + source));
     EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
   }
+  test::write_text(folder.path("body.stl"), "solid");
+  const test::Run mesh = start(test::kProgram, {"measure-scan", folder.path("body.stl")});
+  EXPECT_EQ(mesh.exit_code, 1);
+  EXPECT_THAT(mesh.err, testing::HasSubstr("body.stl is a mesh of a kind that is not read; export it as .ply"));
   const test::Run run = start(test::kProgram, {"measure-scan", folder.path("nothing.ply")});
   EXPECT_THAT(run.err, testing::HasSubstr("nothing.ply does not exist"));
 }

@@ -8,10 +8,14 @@
 #include <filesystem>
 #include <fstream>
 #include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "core/file.h"
 #include "hal/folder/depth_folder.h"
 #include "hal/open/open.h"
+#include "hal/recording/frame_times.h"
 #include "made_folder.h"
 #include "other_programs.h"
 
@@ -101,9 +105,13 @@ TEST_F(BagRecording, RealSensesTopicsHaveTheFoldersBits) {
 }
 
 TEST_F(BagRecording, CompressedChunksHaveThemToo) {
-  for (const char* compression : {"bz2", "lz4"}) {
+  for (const char* name : {"bz2", "lz4"}) {
+    const std::string compression = name;
     ASSERT_TRUE(write("a.bag", "realsense", compression));
-    expect_frames("a.bag", plain());
+    if (compression == "bz2" ? IM2FIT_HAVE_BZIP2 : IM2FIT_HAVE_LZ4)
+      expect_frames("a.bag", plain());
+    else
+      EXPECT_TRUE(contains(refused("a.bag"), "and this build has no lib" + compression)) << refused("a.bag");
   }
 }
 
@@ -119,6 +127,13 @@ TEST_F(BagRecording, MetresOfRectifiedPicturesHaveTheProjectionsLens) {
   Calibration rectified = plain();
   rectified.intrinsics = {kMadeWidth, kMadeHeight, 40, 40, 20, 21};
   expect_frames("a.bag", rectified);
+  ASSERT_TRUE(write("fisheye.bag", "undone"));
+  expect_frames("fisheye.bag", rectified);
+}
+
+TEST_F(BagRecording, ATopicMayHaveSeveralWriters) {
+  ASSERT_TRUE(write("a.bag", "again"));
+  expect_frames("a.bag", plain());
 }
 
 TEST_F(BagRecording, WhatIsMissingOrAmbiguousIsNamed) {
@@ -162,6 +177,7 @@ TEST_F(BagRecording, OtherFilesAndOnesCutOffAreRefusedInOneLine) {
   }
 }
 
+#if IM2FIT_HAVE_LZ4
 TEST_F(BagRecording, ADamagedChunkIsPassedOver) {
   ASSERT_TRUE(write("a.bag", "metres", "lz4"));
   auto bytes = read_file(path("a.bag"));
@@ -187,6 +203,100 @@ TEST_F(BagRecording, ADamagedChunkIsPassedOver) {
   }
   EXPECT_EQ(damaged, 1);
   EXPECT_EQ(good, kFrames - 1);
+}
+#endif
+
+TEST_F(BagRecording, CompressedChunksHaveALimit) {
+  ASSERT_TRUE(write("a.bag", "ros", "bz2"));
+  auto bytes = read_file(path("a.bag"));
+  ASSERT_TRUE(bytes);
+  const std::string text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  const std::string_view size("\x09\0\0\0size=", 9);
+  std::size_t at = text.find(size);
+  ASSERT_NE(at, std::string::npos);
+  for (; at != std::string::npos; at = text.find(size, at + 1)) (*bytes)[at + 12] = std::byte{0x50};
+  const auto source = open_bag_recording(FileCursor(std::span(*bytes), "a.bag"), {});
+  ASSERT_FALSE(source);
+  EXPECT_EQ(source.error().code, ErrorCode::unsupported);
+  EXPECT_TRUE(contains(source.error().message, "expected at most 67108864; write it plain by: rosbag decompress"))
+      << source.error().message;
+}
+
+// Wherever the file ends all at once: in a record's head, a message's head, or pixels.
+TEST_F(BagRecording, AFailingReadIsNoDamage) {
+  ASSERT_TRUE(write("whole.bag", "metres"));
+  const auto whole = read_file(path("whole.bag"));
+  ASSERT_TRUE(whole);
+  Picture out(kMadeWidth, kMadeHeight);
+  int failed = 0;
+  for (std::size_t size = 6000; size < whole->size() * 3 / 4; size += 301) {
+    ASSERT_TRUE(write_file_atomically(path("a.bag"), std::span<const std::byte>(*whole)));
+    auto source = open_source(path("a.bag"));
+    ASSERT_TRUE(source) << source.error().message;
+    std::filesystem::resize_file(path("a.bag"), size);
+    auto got = (*source)->next(out.image(), 0);
+    for (int i = 1; got && i < kFrames; ++i) got = (*source)->next(out.image(), 0);
+    ASSERT_FALSE(got) << size;
+    EXPECT_EQ(got.error().code, ErrorCode::io) << size << ": " << got.error().message;
+    EXPECT_TRUE(contains(got.error().message, "became shorter while it was read")) << got.error().message;
+    EXPECT_EQ((*source)->stats().damaged, 0U);
+    ++failed;
+  }
+  EXPECT_GT(failed, 20);
+}
+
+TEST_F(BagRecording, AWrongTimeCostsOneFrame) {
+  for (const char* kind : {"jump", "back"}) {
+    ASSERT_TRUE(write("a.bag", kind));
+    auto source = open_source(path("a.bag"));
+    ASSERT_TRUE(source) << source.error().message;
+    Picture out(kMadeWidth, kMadeHeight);
+    for (int round = 0; round < 2; ++round) {
+      ASSERT_TRUE((*source)->start());
+      for (int i = 0; i < kFrames; ++i) {
+        const auto got = (*source)->next(out.image(), 0);
+        ASSERT_EQ(static_cast<bool>(got), i != 2) << kind << i;
+        if (i == 2) {
+          EXPECT_EQ(got.error().code, ErrorCode::corrupt);
+          EXPECT_TRUE(contains(got.error().message, "frame 2 has a time that is not within 10 s")) << kind;
+          continue;
+        }
+        EXPECT_EQ(out.pixels, frame(i).pixels);
+        // A clock that was set back goes on from where it was.
+        const int steps = std::string(kind) == "back" && i > 2 ? i - 1 : i;
+        EXPECT_EQ(got->host_ns, 100'000'000'000 + std::int64_t{33333333} * steps) << kind << i;
+      }
+      EXPECT_EQ((*source)->next(out.image(), 0).error().code, ErrorCode::end_of_stream);
+    }
+  }
+}
+
+// As recorded, in s; the same list, of what is given, with -1 for a frame that is refused.
+TEST(FrameTimes, AreRefusedOnceAndLaterThanTheOnesBefore) {
+  using Seconds = std::vector<std::int64_t>;
+  const std::pair<Seconds, Seconds> table[] = {
+      {{0, 1, 2, 12, 13}, {0, 1, 2, 12, 13}},
+      {{5, 6, 900, 8, 9}, {5, 6, -1, 8, 9}},
+      {{5, 6, 900, 901, 902}, {5, 6, -1, 901, 902}},  // paused
+      {{5, 6, 6, 7}, {5, 6, -1, 7}},                  // twice the same
+      {{1000, 1001, 1, 2, 3}, {1000, 1001, -1, 1002, 1003}},
+      {{1000, 1001, 1, 500, 501}, {1000, 1001, -1, 1011, 1012}},
+      {{4'100'000'000, 1, 2, 4}, {-1, 1, 2, 4}},  // after the year 2096
+      {{3'900'000'000, 1, 2, 4}, {3'900'000'000, -1, 3'900'000'001, 3'900'000'003}},
+      {{3'900'000'000, 1, 2, 3'900'000'000, 3'900'000'001, 1, 2},
+       {3'900'000'000, -1, 3'900'000'001, -1, 3'900'000'002, -1, 3'900'000'003}}};
+  for (const auto& [recorded, expected] : table) {
+    FrameTimes times;
+    for (int round = 0; round < 2; ++round) {
+      Seconds given;
+      for (const std::int64_t s : recorded) {
+        const auto time_ns = times.take(s * 1'000'000'000);
+        given.push_back(time_ns ? *time_ns / 1'000'000'000 : -1);
+      }
+      EXPECT_EQ(given, expected);
+      times.restart();
+    }
+  }
 }
 
 // One byte at a time.

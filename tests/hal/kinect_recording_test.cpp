@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <span>
+#include <string_view>
 
 #include "core/file.h"
 #include "hal/folder/depth_folder.h"
@@ -219,6 +221,28 @@ TEST_F(KinectRecording, OtherFilesAreRefusedByWhatTheyAre) {
   put(path("calibration.json"), "\"" + std::string(2 << 20, 'x') + "\"");
   ASSERT_TRUE(ffmpeg_writes("long.mkv", attached()));
   EXPECT_TRUE(contains(refused("long.mkv"), "expected at most 1048576")) << refused("long.mkv");
+}
+
+TEST_F(KinectRecording, AWrongTimeCostsOneFrame) {
+  ASSERT_TRUE(ffmpeg_writes("a.mkv", attached()));
+  std::string bytes = bytes_of("a.mkv");
+  const std::string_view block("\xA3\x22\xD0\x04\x81\0\0",
+                               7);  // a frame's size, its track, and no time in its cluster
+  std::size_t at = 0;
+  for (int i = 0; i < 3; ++i) at = bytes.find(block, at + 1);
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + 5] = '\x7F';
+  auto source = open_kinect_recording(FileCursor(std::as_bytes(std::span(bytes)), "a.mkv"), {});
+  ASSERT_TRUE(source) << source.error().message;
+  Picture out(kWidth, kHeight);
+  for (int i = 0; i < 4; ++i) {
+    const auto frame = (*source)->next(out.image(), 0);
+    ASSERT_EQ(static_cast<bool>(frame), i != 2) << i;
+    if (!frame) {
+      EXPECT_EQ(frame.error().code, ErrorCode::corrupt);
+    }
+  }
+  EXPECT_EQ((*source)->next(out.image(), 0).error().code, ErrorCode::end_of_stream);
 }
 
 // Bytes of the table of contents and of blocks' heads, one at a time.

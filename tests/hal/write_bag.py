@@ -46,8 +46,8 @@ def info(distortion=(), model="plumb_bob"):
 
 def main(out, kind, compression="none"):
     with rosbag.Bag(out, "w", compression=compression, chunk_threshold=6000) as bag:
-        def add(topic, message, number=0):
-            bag.write(topic, message, rospy.Time(100, 33333333 * number))
+        def add(topic, message, number=0, seconds=100):
+            bag.write(topic, message, rospy.Time(seconds, 33333333 * number))
 
         add("/note", String("hello"))
         if kind == "realsense" or kind == "units":
@@ -67,6 +67,15 @@ def main(out, kind, compression="none"):
                 add("/camera/depth/camera_info", info([0.1, 0, 0, 0, 0]), number)
             elif kind == "blind":
                 add("/camera/depth/image_raw", image(number, values, "16UC1", "H"), number)
+            elif kind == "again":
+                if number == 3:
+                    bag._topic_connections.clear()  # another node writes to the same topics: other connections
+                add("/camera/depth/image_raw", image(number, values, "16UC1", "H"), number)
+                add("/camera/depth/camera_info", info(), number)
+            elif kind == "jump" or kind == "back":
+                wrong = {"jump": {2: 4100000}, "back": {2: 40, 3: 40, 4: 40}}[kind]
+                add("/camera/depth/image_raw", image(number, values, "16UC1", "H"), number, wrong.get(number, 100))
+                add("/camera/depth/camera_info", info(), number)
             elif kind == "two":
                 add("/left/depth/image_raw", image(number, values, "16UC1", "H"), number)
                 add("/right/depth/image_raw", image(number, values, "16UC1", "H"), number)
@@ -76,6 +85,9 @@ def main(out, kind, compression="none"):
                 add("/camera/depth/image_raw", image(number, [value & 255 for value in values], "8UC1", "B"), number)
             elif kind == "packed":
                 add("/camera/depth/image_raw/compressedDepth", CompressedImage(), number)
+            elif kind == "undone":
+                add("/camera/depth/image_rect", image(number, values, "16UC1", "H"), number)
+                add("/camera/depth/camera_info", info([0.1, 0, 0, 0], "equidistant"), number)
             elif kind == "fisheye":
                 add("/camera/depth/image_raw", image(number, values, "16UC1", "H"), number)
                 add("/camera/depth/camera_info", info([0.1, 0, 0, 0], "equidistant"), number)

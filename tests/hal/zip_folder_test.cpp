@@ -26,9 +26,9 @@ class ZipFolder : public testing::Test {
   std::string path(const std::string& name) const { return folder_.path(name); }
 
   void SetUp() override {
-    if (!have_program("python3")) GTEST_SKIP() << "no python3";
     const char* before = std::getenv("TMPDIR");
     before_ = before ? std::optional<std::string>(before) : std::nullopt;
+    if (!have_program("python3")) GTEST_SKIP() << "no python3";
     std::filesystem::create_directory(path("tmp"));
     ::setenv("TMPDIR", path("tmp").c_str(), 1);
     make_folder(path("frames"));
@@ -92,16 +92,50 @@ class ZipFolder : public testing::Test {
     return source.error().message;
   }
 
+  // An archive with more files than a recording, whose end says something else.
+  void expect_forged_ends_are_refused(const std::string& name) const {
+    put(path("forge.py"), R"(import struct, sys
+data = open(sys.argv[1], 'rb').read()
+rest, end64, locator, end = data[:-98], data[-98:-42], data[-42:-22], data[-22:]
+assert end64[:4] == b'PK\6\6' and locator[:4] == b'PK\6\7' and end[:4] == b'PK\5\6'
+count, size, offset = struct.unpack('<QQQ', end64[32:])
+def make(name, *parts):
+    open(name, 'wb').write(b''.join(parts))
+def classic(count, size, comment=0):
+    return struct.pack('<4s4H2IH', b'PK\5\6', 0, 0, count, count, size, offset, comment)
+make('locator.zip', rest, end64, locator, classic(1, 46))
+make('comment.zip', rest, classic(65535, size, 22), classic(0, 0))
+make('modulo.zip', rest, classic(count % 65536, size))
+make('ends.zip', *[classic(0, 0, 22 * i) for i in reversed(range(9))])
+)");
+    ASSERT_TRUE(run_in(folder_.path(), "python3 forge.py " + name));
+    EXPECT_TRUE(contains(refused("locator.zip"), "(zip64); unpack it and give the folder")) << refused("locator.zip");
+    EXPECT_TRUE(contains(refused("ends.zip"), "is not a whole .zip archive")) << refused("ends.zip");
+    for (const char* forged : {"comment.zip", "modulo.zip"})
+      EXPECT_TRUE(contains(refused(forged), "more files than a recording")) << refused(forged);
+  }
+
   TestFolder folder_;
   std::optional<std::string> before_;
 };
 
+#if IM2FIT_HAVE_ZIP
 TEST_F(ZipFolder, ADepthFolderIsTheSameInAnArchive) {
   ASSERT_TRUE(zip("plain.zip", frames_under("")));
   expect_frames("plain.zip");
   EXPECT_TRUE(nothing_left());
   ASSERT_TRUE(zip("Stored.ZIP", frames_under("my person/"), "zipfile.ZIP_STORED"));
   expect_frames("Stored.ZIP");
+  for (const char* folder : {"depth/", "person/depth/"}) {
+    ASSERT_TRUE(zip("depth.zip", frames_under(folder)));
+    expect_frames("depth.zip");
+  }
+  // bsdtar's and PowerShell's names.
+  for (const char* folder : {"./", "./person/./", "person\\\\", ".\\\\"}) {
+    ASSERT_TRUE(zip("named.zip", " for f in sorted(glob.glob('frames/*.*')):\n  z.writestr(f.replace('frames/', '" +
+                                     std::string(folder) + "', 1), open(f, 'rb').read())\n"));
+    expect_frames("named.zip");
+  }
   // Written into a pipe, as phones share: sizes stand behind the files.
   zip("/dev/stdout", frames_under(""));
   ASSERT_TRUE(run_in(folder_.path(), "python3 make.py | cat >streamed.zip"));
@@ -134,6 +168,20 @@ TEST_F(ZipFolder, AStrayScannersRecordingIsFoundAmongWhatIsNotRead) {
   EXPECT_FALSE(std::filesystem::exists(path("outside.exe")));
 }
 
+// Names that are times, and no tables.
+TEST_F(ZipFolder, PicturesOfATumFolderKeepTheirs) {
+  std::filesystem::create_directories(path("tum/depth"));
+  for (const char* name : {"100.000000", "100.033333"})
+    write_grey_png(path("tum/depth/" + std::string(name) + ".png"), 640, 480, 16, [](int, int) { return 5000; });
+  ASSERT_TRUE(zip("tum.zip", " for f in sorted(glob.glob('tum/*/*')):\n  z.write(f)\n"));
+  auto source = open_source(path("tum.zip"));
+  ASSERT_TRUE(source) << source.error().message;
+  EXPECT_EQ((*source)->info().frame_count, 2);
+  Picture out(640, 480);
+  ASSERT_TRUE((*source)->next(out.image(), 0));
+  EXPECT_EQ(out.pixels.front(), 1000);
+}
+
 TEST_F(ZipFolder, DamageOfAFrameNamesTheArchive) {
   put(path("frames/000002.png"), "no picture");
   ASSERT_TRUE(zip("a.zip", frames_under("")));
@@ -155,7 +203,8 @@ TEST_F(ZipFolder, HostileArchivesAreRefusedInOneLine) {
   EXPECT_TRUE(contains(refused("text.zip"), "is not a whole .zip archive"));
   ASSERT_TRUE(zip("nothing.zip", " z.writestr('rgb.mp4', b'x')\n"));
   EXPECT_TRUE(contains(refused("nothing.zip"), "holds no pictures"));
-  for (const char* name : {"../out.png", "/out.png", "a/../../out.png", "a//b.png", "a\\\\b.png"}) {
+  for (const char* name : {"../out.png", "/out.png", "a/../../out.png", "a//b.png", "..\\\\out.png", "\\\\out.png",
+                           "a\\\\..\\\\..\\\\out.png", "./../out.png", ".//out.png"}) {
     ASSERT_TRUE(zip("out.zip", " z.writestr('" + std::string(name) + "', b'x')\n"));
     EXPECT_TRUE(contains(refused("out.zip"), "lies outside of it")) << name;
   }
@@ -163,10 +212,25 @@ TEST_F(ZipFolder, HostileArchivesAreRefusedInOneLine) {
   EXPECT_TRUE(contains(refused("bomb.zip"), "of 68157440 bytes, expected at most 67108864"));
   ASSERT_TRUE(zip("many.zip", " for i in range(65600):\n  z.writestr('%d.mp4' % i, b'')\n"));
   EXPECT_TRUE(contains(refused("many.zip"), "more files than a recording"));
+  expect_forged_ends_are_refused("many.zip");
   ASSERT_TRUE(zip("twice.zip", " z.writestr('000000.png', b'x')\n z.writestr('000000.png', b'y')\n"));
   EXPECT_TRUE(contains(refused("twice.zip"), "has the file 000000.png twice")) << refused("twice.zip");
   ASSERT_TRUE(zip("blind.zip", " z.write('frames/000000.png', '000000.png')\n"));
   EXPECT_TRUE(contains(refused("blind.zip"), "camera.yaml is missing")) << refused("blind.zip");
+}
+
+TEST_F(ZipFolder, AnotherCompressionIsNoDamage) {
+  ASSERT_TRUE(zip("whole.zip", frames_under("")));
+  const auto whole = read_file(path("whole.zip"));
+  ASSERT_TRUE(whole);
+  std::string bytes(reinterpret_cast<const char*>(whole->data()), whole->size());
+  constexpr char kPpmd = 98;
+  for (std::size_t at = 0; (at = bytes.find("PK\3\4", at)) != std::string::npos; ++at) bytes[at + 8] = kPpmd;
+  for (std::size_t at = 0; (at = bytes.find("PK\1\2", at)) != std::string::npos; ++at) bytes[at + 10] = kPpmd;
+  put(path("ppmd.zip"), bytes);
+  EXPECT_EQ(open_source(path("ppmd.zip")).error().code, ErrorCode::unsupported);
+  EXPECT_TRUE(contains(refused("ppmd.zip"), "is compressed by a method this build does not read; unpack it"))
+      << refused("ppmd.zip");
 }
 
 TEST_F(ZipFolder, AChangedOrMissingPartGivesFramesOrOneLine) {
@@ -212,6 +276,37 @@ TEST_F(ZipFolder, TheTemporaryFolderGoesWithAProgramThatIsKilled) {
   ::close(ready[0]);
   ::close(ready[1]);
 }
+
+// A program without input and output: their numbers are free, and what it prints all the same goes nowhere.
+TEST_F(ZipFolder, WhatAProgramPrintsDoesNotEndItsFolder) {
+  ASSERT_TRUE(zip("a.zip", frames_under("")));
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    ::close(STDIN_FILENO);
+    ::close(STDOUT_FILENO);
+    const auto source = open_source(path("a.zip"));
+    for (const int number : {STDIN_FILENO, STDOUT_FILENO})
+      if (::write(number, "words\n", 6) >= 0) ::_exit(2);
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    ::_exit(source && !nothing_left() ? 0 : 1);
+  }
+  int status = -1;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  for (int i = 0; i < 500 && !nothing_left(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_TRUE(nothing_left());
+}
+
+#else
+
+TEST_F(ZipFolder, IsRefusedByNameWithoutLibzip) {
+  ASSERT_TRUE(zip("a.zip", frames_under("")));
+  EXPECT_TRUE(contains(refused("a.zip"), "this build has no libzip; unpack it and give the folder"));
+}
+
+#endif
 
 }  // namespace
 }  // namespace im2fit::hal
