@@ -169,24 +169,25 @@ void OperatorDesk::measured(std::uint64_t visit, const std::string& result_json)
   result_ = result_json;
 }
 
-Status OperatorDesk::visit_over(std::uint64_t visit, bool erased) {
-  std::shared_ptr<VisitRecorder> going;  // ends outside the lock: it may wait for the disk
-  std::string saved;
-  {
-    const std::lock_guard lock(mutex_);
-    diagnosis_ = {};
-    std::replace(plan_.cells.begin(), plan_.cells.end(), PlanCell::person, PlanCell::unseen);
-    if (visit_ != visit || (phase_ != Phase::recording && !erased)) return Ok{};
-    phase_ = Phase::idle;
-    going.swap(recorder_);
-    result_.clear();
-    saved.swap(saved_);
-  }
+OperatorDesk::Deletion OperatorDesk::visit_over(std::uint64_t visit, bool erased) {
+  const std::lock_guard lock(mutex_);
+  diagnosis_ = {};
+  std::replace(plan_.cells.begin(), plan_.cells.end(), PlanCell::person, PlanCell::unseen);
+  if (visit_ != visit || (phase_ != Phase::recording && !erased)) return nullptr;
+  phase_ = Phase::idle;
+  result_.clear();
+  return [this, visit, going = std::exchange(recorder_, nullptr), saved = std::exchange(saved_, "")]() mutable {
+    going.reset();
+    return delete_session(visit, saved);
+  };
+}
+
+Status OperatorDesk::delete_session(std::uint64_t visit, const std::string& saved) {
   if (saved.empty()) return Ok{};
   Status gone = sessions::remove(settings_.root, saved);
   if (!gone && gone.error().code == ErrorCode::not_found) gone = Ok{};  // the operator was first
   const std::lock_guard lock(mutex_);
-  if (visit_ == visit) (gone ? erased_ : saved_) = saved;
+  if (gone && visit_ == visit) erased_ = saved;
   return gone;
 }
 

@@ -87,10 +87,13 @@ class OperatorDesk {
   void begin_anew(std::uint64_t visit);
   void see(std::uint64_t visit, const FrameSeen& frame);
   void measured(std::uint64_t visit, const std::string& result_json);
-  // Deletes the recording: the person requested deletion, or left before there was an answer. `erased`: the person
+  // Gives the recording up: the person requested deletion, or left before there was an answer. `erased`: the person
   // requested it; then its session goes, too, if it is saved or being saved. Otherwise a measured visit is kept for
-  // the operator, who is still at the form. Errors: the session stays.
-  Status visit_over(std::uint64_t visit, bool erased);
+  // the operator, who is still at the form. Does not wait: another visit may begin at once. What it returns deletes
+  // the files and may wait for the disk; call it once, on any thread, without a lock. Null: there are none. Its
+  // errors: the session stays.
+  using Deletion = std::function<Status()>;
+  Deletion visit_over(std::uint64_t visit, bool erased);
 
  private:
   enum class Phase { idle, recording, measured };
@@ -112,6 +115,7 @@ class OperatorDesk {
   PageAnswer picture(const std::string& id, const std::string& number) const;
   void draw_plan(const FrameSeen& frame);
   PageAnswer plan() const;
+  Status delete_session(std::uint64_t visit, const std::string& saved);
   std::shared_ptr<VisitRecorder> recorder_of(std::uint64_t visit) const;
   void start_job(const std::string& kind, const std::string& id, std::function<void(Job&)> work);
 

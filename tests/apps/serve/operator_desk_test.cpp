@@ -38,6 +38,7 @@ class Desk : public testing::Test {
     settings.shop = shop_;
     settings.desk->tape = {{"waist_girth", {{"en", "Waist"}}}};
     settings.desk->measure = measure_;
+    settings.erase_folder = erase_folder_;
     page_ = std::make_unique<test::ShownPage>(settings);
     hal::SourceInfo source;
     source.name = camera_;
@@ -90,6 +91,7 @@ class Desk : public testing::Test {
   std::function<Result<Json>(const std::string&)> measure_ = [](const std::string& id) -> Result<Json> {
     return Json{{"then", nullptr}, {"now", {{"of", id}}}};
   };
+  std::function<void(const std::string&)> erase_folder_;
   std::string camera_ = "fake", region_;
   apps::DiagnosePicture diagnose_;
   std::optional<apps::Shop> shop_;
@@ -286,6 +288,30 @@ TEST_F(Desk, APageThatEndsFinishesItsDeletions) {
   page_->end();
   EXPECT_EQ(deleted.get(), 0) << "no answer";
   EXPECT_EQ(entries(), 0U);
+}
+
+// The next person's visit begins while the disk is still busy with what was to be deleted.
+TEST_F(Desk, ADeletionThatWaitsDeletesTheSessionAlsoWhenTheNextVisitHasBegun) {
+  std::promise<void> free;
+  erase_folder_ = [gate = free.get_future().share()](const std::string&) { gate.wait(); };
+  open_page();
+  const bool begun = begin() == 200;
+  frame(0);
+  page_->measured(987, "out");
+  const int saving = post("/operator/save", kForm).first;
+  const std::string id = job_done()["id"], visit = page_->visit();
+  auto deleted = std::async(std::launch::async, [&] { return page_->post("/delete", visit); });
+  EXPECT_EQ(deleted.wait_for(std::chrono::milliseconds(300)), std::future_status::timeout);
+  EXPECT_TRUE(sessions::read(root_, id)) << "not deleted yet";
+  const int next = begin();
+  free.set_value();
+  EXPECT_TRUE(begun);
+  EXPECT_EQ(saving, 202);
+  EXPECT_EQ(next, 200);
+  EXPECT_EQ(deleted.get(), 200);
+  EXPECT_FALSE(sessions::read(root_, id)) << "the answer says that it is gone";
+  EXPECT_EQ(phase(), "RECORDING") << "of the next person";
+  EXPECT_EQ(entries(), 1U);
 }
 
 TEST_F(Desk, DeleteDuringSavingLeavesNothing) {
