@@ -34,6 +34,10 @@ Error system_error(const std::string& what, const std::string& path) {
   return {ErrorCode::io, what + " " + path + ": " + std::strerror(errno)};
 }
 
+Error unknown(const std::string& root, const std::string& id) {
+  return {ErrorCode::not_found, fmt::format("no session is called {} in {}", id, root)};
+}
+
 std::string time_text(const char* form) {
   const std::time_t now = std::time(nullptr);
   std::tm utc{};
@@ -204,8 +208,7 @@ Result<std::string> folder_of(const std::string& root, const std::string& id) {
     return Error{ErrorCode::invalid_argument, "the id of a session has letters, digits, - and _, at most 40"};
   std::string folder = root + "/" + id;
   std::error_code code;
-  if (!fs::is_directory(folder, code))
-    return Error{ErrorCode::not_found, fmt::format("no session is called {} in {}", id, root)};
+  if (!fs::is_directory(folder, code)) return unknown(root, id);
   return folder;
 }
 
@@ -240,7 +243,10 @@ Status remove(const std::string& root, const std::string& id) {
   {
     const Directory held(root);
     if (!held.lock()) return system_error("cannot lock", root);
-    if (::rename(folder->c_str(), going.c_str()) != 0) return system_error("cannot delete", *folder);
+    if (::rename(folder->c_str(), going.c_str()) != 0) {
+      if (errno == ENOENT) return unknown(root, id);  // somebody else was first
+      return system_error("cannot delete", *folder);
+    }
   }
   // Without the lock, for which others wait to begin a session: the files may be many and the disk slow.
   std::error_code code;

@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/sessions/store.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 
+#include <array>
+#include <chrono>
 #include <csignal>
 #include <fstream>
+#include <future>
+#include <optional>
 #include <set>
 
 #include "a_record.h"
@@ -173,6 +179,26 @@ TEST_F(SessionStore, DeletesAllOfOneById) {
   ASSERT_TRUE(remove(root_, one));
   EXPECT_THAT(names_in(root_), ElementsAre(other));
   EXPECT_EQ(remove(root_, one).error().code, ErrorCode::not_found);
+}
+
+// A person's own Delete and the operator's, both behind somebody who holds the folder.
+TEST_F(SessionStore, OfTwoWhoDeleteOneTheSecondFindsNone) {
+  const std::string id = saved();
+  const int held = ::open(root_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  ASSERT_EQ(::flock(held, LOCK_EX), 0);
+  const auto deletion = [&] {
+    return std::async(std::launch::async, [&] {
+      const Status gone = remove(root_, id);
+      return gone ? std::optional<ErrorCode>() : gone.error().code;
+    });
+  };
+  auto one = deletion(), other = deletion();
+  EXPECT_EQ(one.wait_for(std::chrono::milliseconds(200)), std::future_status::timeout);
+  EXPECT_EQ(other.wait_for(std::chrono::milliseconds(200)), std::future_status::timeout);
+  ::close(held);
+  EXPECT_THAT((std::array{one.get(), other.get()}),
+              UnorderedElementsAre(std::optional<ErrorCode>(), std::optional(ErrorCode::not_found)));
+  EXPECT_THAT(names_in(root_), IsEmpty());
 }
 
 TEST_F(SessionStore, AnIdLeadsNowhereElse) {
