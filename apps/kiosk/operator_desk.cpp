@@ -90,7 +90,7 @@ OperatorRegion OperatorDesk::region() const {
 }
 
 // Of the last frame that was long enough ago: twice a second is enough for a room.
-void OperatorDesk::draw_plan(const FrameSeen& frame) {
+void OperatorDesk::draw_plan(std::uint64_t visit, const FrameSeen& frame) {
   Intrinsics k;
   const auto now = std::chrono::steady_clock::now();
   {
@@ -101,6 +101,7 @@ void OperatorDesk::draw_plan(const FrameSeen& frame) {
   if (!frame.result.floor.known || k.width != frame.depth.width || k.height != frame.depth.height) return;
   const FloorPlan plan = floor_plan(frame.depth, frame.mask, k, frame.result.floor);
   const std::lock_guard lock(mutex_);
+  if (visit <= over_) return;  // it ended meanwhile: nothing is kept of its person
   plan_ = plan;
   planned_ = now;
   ++plans_;
@@ -121,7 +122,7 @@ PageAnswer OperatorDesk::plan() const {
 }
 
 void OperatorDesk::look(std::uint64_t visit, const FrameSeen& frame) {
-  draw_plan(frame);
+  draw_plan(visit, frame);
   if (std::exchange(looked_visit_, visit) != visit) empty_since_ns_ = looked_ns_ = 0;
   const std::int64_t now = frame.info.host_ns;
   if (frame.result.user != 0 || !has(frame.result.guidance, Guidance::no_person)) {
@@ -171,8 +172,7 @@ void OperatorDesk::measured(std::uint64_t visit, const std::string& result_json)
 
 OperatorDesk::Deletion OperatorDesk::visit_over(std::uint64_t visit, bool erased) {
   const std::lock_guard lock(mutex_);
-  diagnosis_ = {};
-  std::replace(plan_.cells.begin(), plan_.cells.end(), PlanCell::person, PlanCell::unseen);
+  forget_plan(visit);
   if (visit_ != visit || (phase_ != Phase::recording && !erased)) return nullptr;
   phase_ = Phase::idle;
   result_.clear();
@@ -180,6 +180,13 @@ OperatorDesk::Deletion OperatorDesk::visit_over(std::uint64_t visit, bool erased
     going.reset();
     return delete_session(visit, saved);
   };
+}
+
+// Of the room it stays.
+void OperatorDesk::forget_plan(std::uint64_t over) {
+  over_ = std::max(over_, over);
+  diagnosis_ = {};
+  std::replace(plan_.cells.begin(), plan_.cells.end(), PlanCell::person, PlanCell::unseen);
 }
 
 Status OperatorDesk::delete_session(std::uint64_t visit, const std::string& saved) {
@@ -296,6 +303,7 @@ PageAnswer OperatorDesk::begin(const Json& body) {
     const std::lock_guard lock(mutex_);
     recorder_ = kept;
     visit_ = visit;
+    forget_plan(visit - 1);  // whose result may still have been on the screen
     phase_ = Phase::recording;
     saved_.clear();
     erased_.clear();

@@ -113,7 +113,8 @@ class OperatorDesk {
   PageAnswer set_region(const Json& body);
   PageAnswer measure_again(const std::string& id);
   PageAnswer picture(const std::string& id, const std::string& number) const;
-  void draw_plan(const FrameSeen& frame);
+  void draw_plan(std::uint64_t visit, const FrameSeen& frame);
+  void forget_plan(std::uint64_t over);  // what the visits up to this one showed; with the lock
   PageAnswer plan() const;
   Status delete_session(std::uint64_t visit, const std::string& saved);
   std::shared_ptr<VisitRecorder> recorder_of(std::uint64_t visit) const;
@@ -141,6 +142,7 @@ class OperatorDesk {
   FloorPlan plan_;
   std::uint32_t plans_ = 0;  // another for each plan; 0: of this camera there is none
   std::chrono::steady_clock::time_point planned_{};
+  std::uint64_t over_ = 0;  // the last visit that is over
   DiagnosePicture diagnose_;
   hal::DepthDiagnosis diagnosis_;
   std::uint64_t looked_visit_ = 0;                   // the engine's thread alone

@@ -137,6 +137,38 @@ TEST_F(Desk, TheFloorFromAboveKeepsNobody) {
   EXPECT_EQ(status_of("/operator/plan"), 404) << "of another camera";
 }
 
+// A plan is drawn outside the lock: when it is done, its visit may be over, or its camera another one.
+class DeskAlone : public testing::Test {
+ protected:
+  static constexpr int kWidth = 64, kHeight = 48;
+  static hal::SourceInfo camera(int width, int height) {
+    hal::SourceInfo source;
+    const auto w = static_cast<float>(width), h = static_cast<float>(height);
+    source.intrinsics = {width, height, w, w, w / 2, h / 2};
+    return source;
+  }
+  void look(std::uint64_t visit, int width = kWidth, int height = kHeight) {
+    const std::vector<std::uint16_t> pixels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 2000);
+    const std::vector<std::uint8_t> mask(pixels.size(), 255);
+    EngineResult result;
+    result.floor = {true, {0, -1, 0}, 1000};
+    desk_.look(visit,
+               {DepthView(pixels.data(), width, height), MaskView(mask.data(), width, height), {}, {}, result});
+  }
+  unsigned plan_status() { return desk_.answer({false, "/operator/plan", "", {}}).status; }
+  const test::TestFolder folder_;
+  apps::OperatorDesk desk_{{folder_.path("sessions"), "", {}, {}, nullptr}};
+};
+
+TEST_F(DeskAlone, APlanOfAVisitThatIsOverIsDropped) {
+  desk_.use_source(camera(kWidth, kHeight), {});
+  desk_.visit_over(4, true);
+  look(4);
+  EXPECT_EQ(plan_status(), 404U) << "it shows whom it is to forget";
+  look(5);
+  EXPECT_EQ(plan_status(), 200U);
+}
+
 TEST_F(Desk, AVisitIsRecordedAndSavedWithWhatTheFormSays) {
   EXPECT_EQ(phase(), "IDLE");
   EXPECT_EQ(get("/operator/form")["tape"][0]["id"], "waist_girth");
