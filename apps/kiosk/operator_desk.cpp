@@ -92,16 +92,19 @@ OperatorRegion OperatorDesk::region() const {
 // Of the last frame that was long enough ago: twice a second is enough for a room.
 void OperatorDesk::draw_plan(std::uint64_t visit, const FrameSeen& frame) {
   Intrinsics k;
+  std::uint32_t camera = 0;
   const auto now = std::chrono::steady_clock::now();
   {
     const std::lock_guard lock(mutex_);
     if (!has_source_ || (plans_ != 0 && now - planned_ < kPlanPeriod)) return;
     k = source_.intrinsics;
+    camera = region_.count;
   }
   if (!frame.result.floor.known || k.width != frame.depth.width || k.height != frame.depth.height) return;
   const FloorPlan plan = floor_plan(frame.depth, frame.mask, k, frame.result.floor);
   const std::lock_guard lock(mutex_);
-  if (visit <= over_) return;  // it ended meanwhile: nothing is kept of its person
+  // Meanwhile the visit has ended, and nothing is kept of its person; or another camera has come.
+  if (visit <= over_ || camera != region_.count) return;
   plan_ = plan;
   planned_ = now;
   ++plans_;

@@ -134,8 +134,8 @@ class OperatorDesk {
   std::shared_ptr<VisitRecorder> recorder_;
   sessions::Consent consent_;
   std::string started_utc_, result_;
-  std::string saved_, erased_;  // sessions of `visit_`: the one saved, the one its person deleted
-  OperatorRegion region_;
+  std::string saved_, erased_;   // sessions of `visit_`: the one saved, the one its person deleted
+  OperatorRegion region_;        // its count is another for every camera
   std::string region_text_;      // of the camera; "": everywhere
   std::string region_error_;     // why the kept one does not hold
   std::string region_at_begin_;  // of the recording; after the answer another may be set

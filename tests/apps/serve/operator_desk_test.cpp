@@ -7,7 +7,9 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <filesystem>
+#include <functional>
 #include <future>
 #include <stdexcept>
 #include <thread>
@@ -147,13 +149,16 @@ class DeskAlone : public testing::Test {
     source.intrinsics = {width, height, w, w, w / 2, h / 2};
     return source;
   }
-  void look(std::uint64_t visit, int width = kWidth, int height = kHeight) {
+  void look(std::uint64_t visit, int width = kWidth, int height = kHeight,
+            const std::function<bool()>& again = nullptr) {
     const std::vector<std::uint16_t> pixels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 2000);
     const std::vector<std::uint8_t> mask(pixels.size(), 255);
     EngineResult result;
     result.floor = {true, {0, -1, 0}, 1000};
-    desk_.look(visit,
-               {DepthView(pixels.data(), width, height), MaskView(mask.data(), width, height), {}, {}, result});
+    do {
+      desk_.look(visit,
+                 {DepthView(pixels.data(), width, height), MaskView(mask.data(), width, height), {}, {}, result});
+    } while (again && again());
   }
   unsigned plan_status() { return desk_.answer({false, "/operator/plan", "", {}}).status; }
   const test::TestFolder folder_;
@@ -167,6 +172,24 @@ TEST_F(DeskAlone, APlanOfAVisitThatIsOverIsDropped) {
   EXPECT_EQ(plan_status(), 404U) << "it shows whom it is to forget";
   look(5);
   EXPECT_EQ(plan_status(), 200U);
+}
+
+// The engine's thread draws while the camera is exchanged.
+TEST_F(DeskAlone, APlanOfTheCameraBeforeIsDropped) {
+  constexpr int kSide = 639;  // every pixel of it is read
+  std::atomic<bool> over{false};
+  std::thread engine([&] { look(1, kSide, kSide, [&] { return !over; }); });
+  int kept = 0;
+  for (int i = 0; i < 20; ++i) {
+    desk_.use_source(camera(kSide, kSide), {});
+    std::this_thread::sleep_for(std::chrono::microseconds(500));
+    desk_.use_source(camera(kWidth, kHeight), {});
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    kept += plan_status() == 200 ? 1 : 0;
+  }
+  over = true;
+  engine.join();
+  EXPECT_EQ(kept, 0);
 }
 
 TEST_F(Desk, AVisitIsRecordedAndSavedWithWhatTheFormSays) {
