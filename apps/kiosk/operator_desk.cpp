@@ -409,8 +409,9 @@ PageAnswer OperatorDesk::save(const Json& body) {
   start_job("save", "", [this, recorder, record = std::move(*whole), result](Job& job) {
     auto saved = recorder->save(record, result);
     if (!saved) job.error = saved.error().message;
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
     if (recorder_ != recorder) {  // the person deleted it meanwhile
+      lock.unlock();              // a disk may be slow
       const auto gone = saved ? sessions::remove(settings_.root, *saved) : Status(Ok{});
       job.error = gone ? "the person deleted the recording" : gone.error().message;
       return;

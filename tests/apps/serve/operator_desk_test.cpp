@@ -380,6 +380,31 @@ TEST_F(Desk, DeleteDuringSavingLeavesNothing) {
   }
 }
 
+// The disk is slow with it: what was saved while the person deleted it goes on the saving thread.
+TEST_F(Desk, ADeletionAfterSavingHoldsNothingUp) {
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_EQ(begin(), 200);
+    for (std::uint64_t number = 0; number < 40; ++number) frame(number);
+    page_->measured(987);
+    const std::string visit = page_->visit();
+    page_->operator_client();  // signs in
+    const int root = ::open(root_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    ASSERT_EQ(::flock(root, LOCK_EX), 0);  // a deletion waits for it
+    const int saving = post("/operator/save", kForm).first;
+    auto deleted = std::async(std::launch::async, [&] { return page_->post("/delete", visit); });
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    auto told = std::async(std::launch::async, [&] { return status_of("/operator/state"); });
+    const bool answered = told.wait_for(std::chrono::seconds(3)) == std::future_status::ready;
+    ::close(root);
+    EXPECT_TRUE(answered) << i;
+    EXPECT_EQ(saving, 202);
+    EXPECT_EQ(told.get(), 200);
+    EXPECT_EQ(deleted.get(), 200);
+    job_done();
+    EXPECT_EQ(entries(), 0U) << i;
+  }
+}
+
 TEST_F(Desk, DeleteOfASessionThatTheOperatorDeletedIsDone) {
   ASSERT_NO_FATAL_FAILURE(measured_visit());
   ASSERT_EQ(post("/operator/save", kForm).first, 202);
