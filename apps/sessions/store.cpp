@@ -100,6 +100,12 @@ Status close_to_others(const std::string& folder) {
   return Ok{};
 }
 
+// Deleted while others were read; a link that leads nowhere is there.
+bool is_gone(const fs::path& path) {
+  std::error_code code;
+  return fs::symlink_status(path, code).type() == fs::file_type::not_found;
+}
+
 }  // namespace
 
 void sweep(const std::string& root) {
@@ -190,10 +196,12 @@ Result<std::vector<Listed>> list(const std::string& root) {
     std::error_code fault;  // of this one alone: a link to itself, a disk that fails
     if (!is_id(id) || (!it->is_directory(fault) && !fault)) continue;
     if (fault) {
+      if (is_gone(it->path())) continue;
       all.push_back({id, {}, fmt::format("{}/{}: {}", root, id, fault.message())});
       continue;
     }
     auto record = read(root, id);
+    if (!record && is_gone(it->path())) continue;
     all.push_back(record ? Listed{id, std::move(*record), ""} : Listed{id, {}, record.error().message});
   }
   if (code) return Error{ErrorCode::io, "cannot read " + root + ": " + code.message()};

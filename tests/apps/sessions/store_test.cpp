@@ -10,12 +10,16 @@
 #include <sys/wait.h>
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <fstream>
 #include <future>
 #include <optional>
 #include <set>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include "a_record.h"
 
@@ -172,6 +176,30 @@ TEST_F(SessionStore, ALinkToItselfIsNamedAndTheOthersAreListed) {
   EXPECT_THAT((*all)[0].damage, HasSubstr("sessions/loop: Too many levels of symbolic links"));
   EXPECT_EQ((*all)[1].id, id);
   EXPECT_FALSE(list(root_ + "/loop"));
+}
+
+TEST_F(SessionStore, OneThatIsDeletedWhileTheyAreListedIsNotDamaged) {
+  std::vector<std::string> ids;
+  for (int i = 0; i < 100; ++i) ids.push_back(saved());
+  std::atomic<bool> over{false};
+  std::thread deleting([&] {
+    for (const std::string& id : ids) EXPECT_TRUE(remove(root_, id)) << id;
+    over = true;
+  });
+  std::set<std::string> damages;
+  while (!over) {
+    const auto all = list(root_);
+    if (!all) {
+      damages.insert(all.error().message);
+      continue;
+    }
+    for (const Listed& one : *all) damages.insert(one.damage);
+  }
+  deleting.join();
+  damages.erase("");
+  EXPECT_THAT(damages, IsEmpty());
+  fs::create_symlink("nowhere", fs::path(root_) / "lost");
+  EXPECT_THAT(*list(root_), SizeIs(1)) << "a link that leads nowhere is named";
 }
 
 TEST_F(SessionStore, DeletesAllOfOneById) {
