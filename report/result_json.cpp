@@ -383,8 +383,9 @@ Json details_json(const EngineResult& r, GuidanceSet codes, ArmSet arms) {
     details["out_of_population"] = {
         {"stature_mm", rounded(p.seen_stature_mm, 1)}, {"from_mm", kSeenStatureMinMm}, {"to_mm", kSeenStatureMaxMm}};
   if (has(judged, Guidance::floor_bent)) details["floor_bent"] = {{"bend", rounded(p.floor_bend, kThousandths)}};
+  const bool heels = p.heels_mm > 0;
   if (has(judged, Guidance::feet_raised))
-    details["feet_raised"] = {{"ground_mm", rounded(p.heels_mm > 0 ? p.heels_mm : p.ground_mm, 1)}};
+    details["feet_raised"] = {{heels ? "heels_mm" : "ground_mm", rounded(heels ? p.heels_mm : p.ground_mm, 1)}};
   if (has(judged, Guidance::head_unseen)) details["head_unseen"] = {{"added_mm", rounded(p.crown_missing_mm, 1)}};
   for (const LeftOutUser& one : left_out_of(r))
     details["left_out"].push_back({{"user", one.user}, {"reason", std::string(one.reason)}});

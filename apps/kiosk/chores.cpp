@@ -31,15 +31,17 @@ PageAnswer Chores::run(std::function<PageAnswer()> work) {
   const auto later = std::make_shared<LaterAnswer>();
   answer.later = later;
   Chore chore{std::move(work), later};
-  {
-    const std::lock_guard lock(mutex_);
-    try {
-      if (!thread_.joinable()) thread_ = std::thread([this] { do_all(); });
-      waiting_.push_back(std::move(chore));
-    } catch (const std::exception& fault) {  // no thread is left: the client may try again
-      return {500, nullptr, std::string("this failed: ") + fault.what()};
-    }
+  std::unique_lock lock(mutex_);
+  try {
+    if (!thread_.joinable()) thread_ = std::thread([this] { do_all(); });
+    waiting_.emplace_back();
+  } catch (const std::exception&) {  // no thread is left, or no memory
+    lock.unlock();
+    do_one(std::move(chore));
+    return answer;
   }
+  waiting_.back() = std::move(chore);
+  lock.unlock();
   changed_.notify_all();
   return answer;
 }

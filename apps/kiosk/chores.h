@@ -32,7 +32,8 @@ class Chores {
   Chores(const Chores&) = delete;
   Chores& operator=(const Chores&) = delete;
   // Does not wait: the answer comes `later`. One after the other, in the order given; what throws is answered 500.
-  // Any thread.
+  // Where no thread can be made, the work is done at once, before the answer returns: what was to be deleted goes.
+  // Any thread; without a lock that the work takes.
   PageAnswer run(std::function<PageAnswer()> work);
 
  private:

@@ -177,17 +177,19 @@ bool LivePage::begin_recorded_visit(const std::function<void(std::uint64_t visit
 }
 
 void LivePage::end_recorded_visit(std::uint64_t visit) {
+  OperatorDesk::Deletion deletion;
   {
     const std::lock_guard lock(visit_mutex_);
     if (visit_.number() != visit || visit_.state() == VisitState::asking) return;
     visit_.next(Clock::now());
     forget();
+    deletion = give_up_recording(visit, true);
   }
-  (void)delete_recording(visit, true);
+  if (deletion) (void)deletion();
 }
 
-Status LivePage::delete_recording(std::uint64_t visit, bool erased) {
-  return desk_ ? desk_->visit_over(visit, erased) : Status(Ok{});
+OperatorDesk::Deletion LivePage::give_up_recording(std::uint64_t visit, bool erased) {
+  return desk_ ? desk_->visit_over(visit, erased) : nullptr;
 }
 
 void LivePage::count_guidance(GuidanceSet guidance) {
@@ -222,7 +224,7 @@ void LivePage::forget() {
 PageAnswer LivePage::act(PageAction action, std::string_view visit, std::string_view note) {
   const PageAnswer over{409, nullptr, "that visit is over"};
   std::string folder;
-  std::uint64_t erased = 0;  // the visit
+  OperatorDesk::Deletion deletion;
   {
     const std::lock_guard lock(visit_mutex_);
     const auto now = Clock::now();
@@ -245,15 +247,15 @@ PageAnswer LivePage::act(PageAction action, std::string_view visit, std::string_
       case PageAction::erase:
         folder = folder_;
         if (!visit_.erase(visit, now)) return over;
-        erased = number;
         forget();
+        deletion = give_up_recording(number, true);
         break;
     }
   }
-  if (erased == 0) return {200, nullptr, "done"};
-  return chores_.run([this, folder, erased]() -> PageAnswer {
+  if (action != PageAction::erase) return {200, nullptr, "done"};
+  return chores_.run([this, folder, deletion = std::move(deletion)]() -> PageAnswer {
     if (!folder.empty() && settings_.erase_folder) settings_.erase_folder(folder);
-    if (const Status gone = delete_recording(erased, true); !gone)
+    if (const Status gone = deletion ? deletion() : Status(Ok{}); !gone)
       return {500, nullptr, "the recording was not deleted: " + gone.error().message};
     return {200, nullptr, "done"};
   });
@@ -309,21 +311,21 @@ ReportedFacts LivePage::reported(std::uint64_t visit) {
 void LivePage::tick() {
   bool statistics_failed = false;
   for (int ticks = 0;; ++ticks) {
-    std::uint64_t over = 0;  // the visit that time has ended
+    OperatorDesk::Deletion deletion;  // of the visit that time has ended
     {
       const std::lock_guard lock(visit_mutex_);
       if (ending_) return;
       const std::uint64_t number = visit_.number();
       if (visit_.tick(Clock::now())) {
-        over = number;
         forget();
+        deletion = give_up_recording(number, false);
       } else if (ticks % kTicksPerBeat == 0) {
         publish_beat();
       }
     }
-    if (over != 0)
-      chores_.run([this, over]() -> PageAnswer {
-        (void)delete_recording(over, false);
+    if (deletion)
+      chores_.run([deletion = std::move(deletion)]() -> PageAnswer {
+        (void)deletion();
         return {};
       });
     if (statistics_ && ticks % kTicksPerBeat == 0)

@@ -95,7 +95,6 @@ class LivePage {
   PageAnswer take(std::string_view token);
   PageAnswer take_facts(std::string_view visit, std::string_view body);
   void tick();
-  Status delete_recording(std::uint64_t visit, bool erased);  // as OperatorDesk::visit_over; without the lock
   bool begin_recorded_visit(const std::function<void(std::uint64_t visit)>& begun);
   void end_recorded_visit(std::uint64_t visit);
   // These need it held.
@@ -103,6 +102,7 @@ class LivePage {
   void publish_beat();
   // The visit that is over: all of it that the page has, for every client.
   void forget();
+  OperatorDesk::Deletion give_up_recording(std::uint64_t visit, bool erased);  // as OperatorDesk::visit_over
   void next_visit();
   bool publish_of_visit(const std::string& kind, const Json& event, std::string line);
   bool is_current() const { return permitted_ == visit_.number(); }

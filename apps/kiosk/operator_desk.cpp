@@ -90,17 +90,21 @@ OperatorRegion OperatorDesk::region() const {
 }
 
 // Of the last frame that was long enough ago: twice a second is enough for a room.
-void OperatorDesk::draw_plan(const FrameSeen& frame) {
+void OperatorDesk::draw_plan(std::uint64_t visit, const FrameSeen& frame) {
   Intrinsics k;
+  std::uint32_t camera = 0;
   const auto now = std::chrono::steady_clock::now();
   {
     const std::lock_guard lock(mutex_);
     if (!has_source_ || (plans_ != 0 && now - planned_ < kPlanPeriod)) return;
     k = source_.intrinsics;
+    camera = region_.count;
   }
   if (!frame.result.floor.known || k.width != frame.depth.width || k.height != frame.depth.height) return;
   const FloorPlan plan = floor_plan(frame.depth, frame.mask, k, frame.result.floor);
   const std::lock_guard lock(mutex_);
+  // Meanwhile the visit has ended, and nothing is kept of its person; or another camera has come.
+  if (visit <= over_ || camera != region_.count) return;
   plan_ = plan;
   planned_ = now;
   ++plans_;
@@ -121,7 +125,7 @@ PageAnswer OperatorDesk::plan() const {
 }
 
 void OperatorDesk::look(std::uint64_t visit, const FrameSeen& frame) {
-  draw_plan(frame);
+  draw_plan(visit, frame);
   if (std::exchange(looked_visit_, visit) != visit) empty_since_ns_ = looked_ns_ = 0;
   const std::int64_t now = frame.info.host_ns;
   if (frame.result.user != 0 || !has(frame.result.guidance, Guidance::no_person)) {
@@ -169,24 +173,31 @@ void OperatorDesk::measured(std::uint64_t visit, const std::string& result_json)
   result_ = result_json;
 }
 
-Status OperatorDesk::visit_over(std::uint64_t visit, bool erased) {
-  std::shared_ptr<VisitRecorder> going;  // ends outside the lock: it may wait for the disk
-  std::string saved;
-  {
-    const std::lock_guard lock(mutex_);
-    diagnosis_ = {};
-    std::replace(plan_.cells.begin(), plan_.cells.end(), PlanCell::person, PlanCell::unseen);
-    if (visit_ != visit || (phase_ != Phase::recording && !erased)) return Ok{};
-    phase_ = Phase::idle;
-    going.swap(recorder_);
-    result_.clear();
-    saved.swap(saved_);
-  }
+OperatorDesk::Deletion OperatorDesk::visit_over(std::uint64_t visit, bool erased) {
+  const std::lock_guard lock(mutex_);
+  forget_plan(visit);
+  if (visit_ != visit || (phase_ != Phase::recording && !erased)) return nullptr;
+  phase_ = Phase::idle;
+  result_.clear();
+  return [this, visit, going = std::exchange(recorder_, nullptr), saved = std::exchange(saved_, "")]() mutable {
+    going.reset();
+    return delete_session(visit, saved);
+  };
+}
+
+// Of the room it stays.
+void OperatorDesk::forget_plan(std::uint64_t over) {
+  over_ = std::max(over_, over);
+  diagnosis_ = {};
+  std::replace(plan_.cells.begin(), plan_.cells.end(), PlanCell::person, PlanCell::unseen);
+}
+
+Status OperatorDesk::delete_session(std::uint64_t visit, const std::string& saved) {
   if (saved.empty()) return Ok{};
   Status gone = sessions::remove(settings_.root, saved);
   if (!gone && gone.error().code == ErrorCode::not_found) gone = Ok{};  // the operator was first
   const std::lock_guard lock(mutex_);
-  if (visit_ == visit) (gone ? erased_ : saved_) = saved;
+  if (gone && visit_ == visit) erased_ = saved;
   return gone;
 }
 
@@ -295,6 +306,7 @@ PageAnswer OperatorDesk::begin(const Json& body) {
     const std::lock_guard lock(mutex_);
     recorder_ = kept;
     visit_ = visit;
+    forget_plan(visit - 1);  // whose result may still have been on the screen
     phase_ = Phase::recording;
     saved_.clear();
     erased_.clear();
@@ -397,8 +409,9 @@ PageAnswer OperatorDesk::save(const Json& body) {
   start_job("save", "", [this, recorder, record = std::move(*whole), result](Job& job) {
     auto saved = recorder->save(record, result);
     if (!saved) job.error = saved.error().message;
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
     if (recorder_ != recorder) {  // the person deleted it meanwhile
+      lock.unlock();              // a disk may be slow
       const auto gone = saved ? sessions::remove(settings_.root, *saved) : Status(Ok{});
       job.error = gone ? "the person deleted the recording" : gone.error().message;
       return;

@@ -87,10 +87,13 @@ class OperatorDesk {
   void begin_anew(std::uint64_t visit);
   void see(std::uint64_t visit, const FrameSeen& frame);
   void measured(std::uint64_t visit, const std::string& result_json);
-  // Deletes the recording: the person requested deletion, or left before there was an answer. `erased`: the person
+  // Gives the recording up: the person requested deletion, or left before there was an answer. `erased`: the person
   // requested it; then its session goes, too, if it is saved or being saved. Otherwise a measured visit is kept for
-  // the operator, who is still at the form. Errors: the session stays.
-  Status visit_over(std::uint64_t visit, bool erased);
+  // the operator, who is still at the form. Does not wait: another visit may begin at once. What it returns deletes
+  // the files and may wait for the disk; call it once, on any thread, without a lock. Null: there are none. Its
+  // errors: the session stays.
+  using Deletion = std::function<Status()>;
+  Deletion visit_over(std::uint64_t visit, bool erased);
 
  private:
   enum class Phase { idle, recording, measured };
@@ -110,8 +113,10 @@ class OperatorDesk {
   PageAnswer set_region(const Json& body);
   PageAnswer measure_again(const std::string& id);
   PageAnswer picture(const std::string& id, const std::string& number) const;
-  void draw_plan(const FrameSeen& frame);
+  void draw_plan(std::uint64_t visit, const FrameSeen& frame);
+  void forget_plan(std::uint64_t over);  // what the visits up to this one showed; with the lock
   PageAnswer plan() const;
+  Status delete_session(std::uint64_t visit, const std::string& saved);
   std::shared_ptr<VisitRecorder> recorder_of(std::uint64_t visit) const;
   void start_job(const std::string& kind, const std::string& id, std::function<void(Job&)> work);
 
@@ -129,14 +134,15 @@ class OperatorDesk {
   std::shared_ptr<VisitRecorder> recorder_;
   sessions::Consent consent_;
   std::string started_utc_, result_;
-  std::string saved_, erased_;  // sessions of `visit_`: the one saved, the one its person deleted
-  OperatorRegion region_;
+  std::string saved_, erased_;   // sessions of `visit_`: the one saved, the one its person deleted
+  OperatorRegion region_;        // its count is another for every camera
   std::string region_text_;      // of the camera; "": everywhere
   std::string region_error_;     // why the kept one does not hold
   std::string region_at_begin_;  // of the recording; after the answer another may be set
   FloorPlan plan_;
   std::uint32_t plans_ = 0;  // another for each plan; 0: of this camera there is none
   std::chrono::steady_clock::time_point planned_{};
+  std::uint64_t over_ = 0;  // the last visit that is over
   DiagnosePicture diagnose_;
   hal::DepthDiagnosis diagnosis_;
   std::uint64_t looked_visit_ = 0;                   // the engine's thread alone

@@ -85,6 +85,13 @@ std::string OperatorGate::token_of(std::string_view session, bool stays, Time no
   return "";
 }
 
+bool asked_untouched(std::string_view path) {
+  // The plan and the list change by what customers do.
+  constexpr std::array<std::string_view, 4> kPaths = {"/operator/state", "/operator/statistics.csv", "/operator/plan",
+                                                      "/operator/sessions"};
+  return std::find(kPaths.begin(), kPaths.end(), path) != kPaths.end();
+}
+
 bool same_secret(std::string_view secret, std::string_view given) {
   unsigned difference = secret.size() == given.size() ? 0 : 1;
   if (secret.empty()) return false;

@@ -62,6 +62,9 @@ class OperatorGate {
   std::map<std::string, Wrong> wrong_;
 };
 
+// A page that nobody touches asks for these all the same: they keep no session from being idle.
+bool asked_untouched(std::string_view path);
+
 // The time does not depend on the secret: it shows only the length of `given`.
 bool same_secret(std::string_view secret, std::string_view given);
 

@@ -195,11 +195,9 @@ MHD_Result PageServer::Parts::answer_operator(MHD_Connection* connection, std::s
   };
   if (post && origin.count != 1) return refuse();
   if (post && upload.path == kSignIn) return want_body(connection, upload, kSignInBytesMax);
-  // A page that nobody touches polls these all the same.
-  const bool polled = upload.path == "/operator/state" || upload.path == "/operator/statistics.csv";
   const char* given = MHD_lookup_connection_value(connection, MHD_COOKIE_KIND, cookie.c_str());
   const std::string_view session = given == nullptr ? "" : given;
-  const std::string secret = gate.token_of(session, post || !polled, Clock::now());
+  const std::string secret = gate.token_of(session, post || !asked_untouched(upload.path), Clock::now());
   if (secret.empty()) {
     const Response response = copied("sign in at /operator first\n");
     if (response)  // RFC 9110 11.6.1; of a scheme that no browser knows, so that none asks its user

@@ -34,6 +34,10 @@ Error system_error(const std::string& what, const std::string& path) {
   return {ErrorCode::io, what + " " + path + ": " + std::strerror(errno)};
 }
 
+Error unknown(const std::string& root, const std::string& id) {
+  return {ErrorCode::not_found, fmt::format("no session is called {} in {}", id, root)};
+}
+
 std::string time_text(const char* form) {
   const std::time_t now = std::time(nullptr);
   std::tm utc{};
@@ -94,6 +98,12 @@ Status close_to_others(const std::string& folder) {
   }
   if (code) return Error{ErrorCode::io, "cannot read " + folder + ": " + code.message()};
   return Ok{};
+}
+
+// Deleted while others were read; a link that leads nowhere is there.
+bool is_gone(const fs::path& path) {
+  std::error_code code;
+  return fs::symlink_status(path, code).type() == fs::file_type::not_found;
 }
 
 }  // namespace
@@ -186,10 +196,12 @@ Result<std::vector<Listed>> list(const std::string& root) {
     std::error_code fault;  // of this one alone: a link to itself, a disk that fails
     if (!is_id(id) || (!it->is_directory(fault) && !fault)) continue;
     if (fault) {
+      if (is_gone(it->path())) continue;
       all.push_back({id, {}, fmt::format("{}/{}: {}", root, id, fault.message())});
       continue;
     }
     auto record = read(root, id);
+    if (!record && is_gone(it->path())) continue;
     all.push_back(record ? Listed{id, std::move(*record), ""} : Listed{id, {}, record.error().message});
   }
   if (code) return Error{ErrorCode::io, "cannot read " + root + ": " + code.message()};
@@ -204,8 +216,7 @@ Result<std::string> folder_of(const std::string& root, const std::string& id) {
     return Error{ErrorCode::invalid_argument, "the id of a session has letters, digits, - and _, at most 40"};
   std::string folder = root + "/" + id;
   std::error_code code;
-  if (!fs::is_directory(folder, code))
-    return Error{ErrorCode::not_found, fmt::format("no session is called {} in {}", id, root)};
+  if (!fs::is_directory(folder, code)) return unknown(root, id);
   return folder;
 }
 
@@ -240,7 +251,10 @@ Status remove(const std::string& root, const std::string& id) {
   {
     const Directory held(root);
     if (!held.lock()) return system_error("cannot lock", root);
-    if (::rename(folder->c_str(), going.c_str()) != 0) return system_error("cannot delete", *folder);
+    if (::rename(folder->c_str(), going.c_str()) != 0) {
+      if (errno == ENOENT) return unknown(root, id);  // somebody else was first
+      return system_error("cannot delete", *folder);
+    }
   }
   // Without the lock, for which others wait to begin a session: the files may be many and the disk slow.
   std::error_code code;

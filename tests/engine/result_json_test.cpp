@@ -270,6 +270,20 @@ TEST(ResultJson, WhoIsLeftOutIsNamedWithTheReason) {
             json::parse(R"([{"user": 2, "reason": "still"}, {"user": 3, "reason": "outside"}])"));
 }
 
+TEST(ResultJson, HeelsAreNoGroundUnderTheFeet) {
+  PersonMeasurement report = measured_report();
+  report.result.guidance = report.result.plausibility.beside = static_cast<GuidanceSet>(Guidance::feet_raised);
+  report.result.plausibility.ground_mm = 38.66F;
+  json v = json::parse(result_json(report));
+  EXPECT_THAT(test::SchemaCheck(schema()).run(v), testing::IsEmpty());
+  EXPECT_EQ(v["guidance_details"], json::parse(R"({"feet_raised": {"ground_mm": 39}})"));
+  report.result.plausibility.ground_mm = 0;
+  report.result.plausibility.heels_mm = 48;
+  v = json::parse(result_json(report));
+  EXPECT_THAT(test::SchemaCheck(schema()).run(v), testing::IsEmpty());
+  EXPECT_EQ(v["guidance_details"], json::parse(R"({"feet_raised": {"heels_mm": 48}})"));
+}
+
 TEST(ResultJson, AnUnmeasuredResultMeetsTheSchemaAndGuides) {
   PersonMeasurement report;
   report.source = measured_report().source;

@@ -204,9 +204,13 @@ async function showPlan() {
   const key = token && state.plan ? state.plan.join() : '';
   if (key === planSeen) return;
   planSeen = key;
-  const answer = key ? await get('/operator/plan').catch(() => null) : null;
-  const picture = answer ? await createImageBitmap(await answer.blob()).catch(() => null) : null;
+  let picture = null;
+  try {
+    if (key) picture = await createImageBitmap(await (await get('/operator/plan')).blob());
+  } catch (error) {  // cut off, or no picture: the next poll asks again
+  }
   if (key !== planSeen) return;  // a later one, or signed out
+  if (!picture) planSeen = '';
   planPicture = picture;
   document.body.dataset.plan = picture ? key : '';
   drawPlan();

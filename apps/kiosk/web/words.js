@@ -48,10 +48,12 @@ class Words {
   }
   // A sentence for each code that stands beside the answer of this result.json.
   doubts(result) {
-    const ground = ((result.guidance_details || {}).feet_raised || {}).ground_mm;
-    const height = ground === undefined ? '' : `${this.value(ground, 'mm')} ${this.unit('mm')}`;
+    const {ground_mm: ground, heels_mm: heels} = (result.guidance_details || {}).feet_raised || {};
+    const mm = heels === undefined ? ground : heels;
+    const height = mm === undefined ? '' : `${this.value(mm, 'mm')} ${this.unit('mm')}`;
+    const said = (code) => (code === 'FEET_RAISED' && heels !== undefined ? 'HEELS_RAISED' : code);
     return Object.keys(this.table.doubts).filter((code) => (result.guidance || []).includes(code))
-      .map((code) => this.table.doubts[code].replace('{h}', height));
+      .map((code) => this.table.doubts[said(code)].replace('{h}', height));
   }
   // Who measures, what for, and whom to ask: what a shop adds to a consent.
   shopPoints(shop) {

@@ -469,7 +469,8 @@ typedef enum im2fit_guidance {
   /* Not measured: a flat floor is curved in the depth data. The lens distortion is not corrected, or the frames hold
    * distances instead of depths. */
   IM2FIT_GUIDANCE_FLOOR_BENT = 1 << 19,
-  /* Accompanies a measurement: the feet are on an object above the floor. Heights are measured from there. */
+  /* Accompanies a measurement: the feet are on an object above the floor, and heights are measured from there. Or the
+   * person wears high heels, and their mean effect was taken off the stature. */
   IM2FIT_GUIDANCE_FEET_RAISED = 1 << 20,
   /* Accompanies a measurement: the top of the head has no depth. The interval of the stature extends upwards. */
   IM2FIT_GUIDANCE_HEAD_UNSEEN = 1 << 21,

@@ -2,6 +2,7 @@
 #include "apps/kiosk/chores.h"
 
 #include <gtest/gtest.h>
+#include <pthread.h>
 
 #include <chrono>
 #include <future>
@@ -63,6 +64,35 @@ TEST(Chores, AFaultIsAnAnswer) {
   EXPECT_NE(wait_for(failed).text.find("the disk is full"), std::string::npos);
   EXPECT_EQ(wait_for(chores.run([]() -> PageAnswer { return {200, nullptr, "next"}; })).text, "next");
 }
+
+#ifdef __GLIBC__
+// A machine out of threads: their stacks are larger here than any memory.
+TEST(Chores, WorkIsDoneAlsoWhenNoThreadCanBeMade) {
+  pthread_attr_t before, huge;
+  ASSERT_EQ(::pthread_getattr_default_np(&before), 0);
+  ASSERT_EQ(::pthread_attr_init(&huge), 0);
+  ASSERT_EQ(::pthread_attr_setstacksize(&huge, std::size_t{1} << (sizeof(std::size_t) * 8 - 2)), 0);
+  apps::Chores chores;
+  bool deleted = false;
+  const auto work = [&]() -> PageAnswer {
+    deleted = true;
+    return {200, nullptr, "deleted"};
+  };
+  const int set = ::pthread_setattr_default_np(&huge);
+  const PageAnswer answer = chores.run(work);
+  const bool at_once = deleted;
+  ASSERT_EQ(::pthread_setattr_default_np(&before), 0);
+  ASSERT_EQ(set, 0);
+  EXPECT_TRUE(at_once);
+  ASSERT_TRUE(answer.later);
+  EXPECT_EQ(wait_for(answer).text, "deleted");
+  deleted = false;
+  EXPECT_EQ(wait_for(chores.run(work)).status, 200U);
+  EXPECT_TRUE(deleted) << "threads are there again";
+  ::pthread_attr_destroy(&before);
+  ::pthread_attr_destroy(&huge);
+}
+#endif
 
 }  // namespace
 }  // namespace im2fit

@@ -296,6 +296,23 @@ TEST(OperatorGate, ASessionEndsWhenNobodyUsesItAndAfterADay) {
   EXPECT_EQ(gate.token_of("", true, now), "");
 }
 
+// Customers are measured, and the page shows it, while the operator is away.
+TEST(OperatorGate, WhatAPageThatNobodyTouchesAsksForKeepsNoSession) {
+  for (const char* path : {"/operator/state", "/operator/plan", "/operator/statistics.csv", "/operator/sessions"}) {
+    OperatorGate gate(kPassword);
+    OperatorGate::Time now{};
+    const std::string session = gate.sign_in(kPassword, "a", now).session;
+    for (int minute = 1; minute < 30; ++minute) {
+      now += std::chrono::minutes(1);
+      EXPECT_NE(gate.token_of(session, !asked_untouched(path), now), "") << path;
+    }
+    now += std::chrono::minutes(1);
+    EXPECT_EQ(gate.token_of(session, !asked_untouched(path), now), "") << path;
+  }
+  for (const char* path : {"/operator/token", "/operator/session", "/operator/picture"})
+    EXPECT_FALSE(asked_untouched(path)) << path;
+}
+
 TEST(OperatorGate, APasswordFileIsItsOwnersAndLongEnough) {
   const test::TestFolder folder;
   const std::string path = folder.path("password");

@@ -7,7 +7,9 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <filesystem>
+#include <functional>
 #include <future>
 #include <stdexcept>
 #include <thread>
@@ -38,6 +40,7 @@ class Desk : public testing::Test {
     settings.shop = shop_;
     settings.desk->tape = {{"waist_girth", {{"en", "Waist"}}}};
     settings.desk->measure = measure_;
+    settings.erase_folder = erase_folder_;
     page_ = std::make_unique<test::ShownPage>(settings);
     hal::SourceInfo source;
     source.name = camera_;
@@ -90,6 +93,7 @@ class Desk : public testing::Test {
   std::function<Result<Json>(const std::string&)> measure_ = [](const std::string& id) -> Result<Json> {
     return Json{{"then", nullptr}, {"now", {{"of", id}}}};
   };
+  std::function<void(const std::string&)> erase_folder_;
   std::string camera_ = "fake", region_;
   apps::DiagnosePicture diagnose_;
   std::optional<apps::Shop> shop_;
@@ -133,6 +137,59 @@ TEST_F(Desk, TheFloorFromAboveKeepsNobody) {
   EXPECT_EQ(page_->operator_client().Get("/operator/plan")->body, without);
   open_page();
   EXPECT_EQ(status_of("/operator/plan"), 404) << "of another camera";
+}
+
+// A plan is drawn outside the lock: when it is done, its visit may be over, or its camera another one.
+class DeskAlone : public testing::Test {
+ protected:
+  static constexpr int kWidth = 64, kHeight = 48;
+  static hal::SourceInfo camera(int width, int height) {
+    hal::SourceInfo source;
+    const auto w = static_cast<float>(width), h = static_cast<float>(height);
+    source.intrinsics = {width, height, w, w, w / 2, h / 2};
+    return source;
+  }
+  void look(std::uint64_t visit, int width = kWidth, int height = kHeight,
+            const std::function<bool()>& again = nullptr) {
+    const std::vector<std::uint16_t> pixels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 2000);
+    const std::vector<std::uint8_t> mask(pixels.size(), 255);
+    EngineResult result;
+    result.floor = {true, {0, -1, 0}, 1000};
+    do {
+      desk_.look(visit,
+                 {DepthView(pixels.data(), width, height), MaskView(mask.data(), width, height), {}, {}, result});
+    } while (again && again());
+  }
+  unsigned plan_status() { return desk_.answer({false, "/operator/plan", "", {}}).status; }
+  const test::TestFolder folder_;
+  apps::OperatorDesk desk_{{folder_.path("sessions"), "", {}, {}, nullptr}};
+};
+
+TEST_F(DeskAlone, APlanOfAVisitThatIsOverIsDropped) {
+  desk_.use_source(camera(kWidth, kHeight), {});
+  desk_.visit_over(4, true);
+  look(4);
+  EXPECT_EQ(plan_status(), 404U) << "it shows whom it is to forget";
+  look(5);
+  EXPECT_EQ(plan_status(), 200U);
+}
+
+// The engine's thread draws while the camera is exchanged.
+TEST_F(DeskAlone, APlanOfTheCameraBeforeIsDropped) {
+  constexpr int kSide = 639;  // every pixel of it is read
+  std::atomic<bool> over{false};
+  std::thread engine([&] { look(1, kSide, kSide, [&] { return !over; }); });
+  int kept = 0;
+  for (int i = 0; i < 20; ++i) {
+    desk_.use_source(camera(kSide, kSide), {});
+    std::this_thread::sleep_for(std::chrono::microseconds(500));
+    desk_.use_source(camera(kWidth, kHeight), {});
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    kept += plan_status() == 200 ? 1 : 0;
+  }
+  over = true;
+  engine.join();
+  EXPECT_EQ(kept, 0);
 }
 
 TEST_F(Desk, AVisitIsRecordedAndSavedWithWhatTheFormSays) {
@@ -288,12 +345,61 @@ TEST_F(Desk, APageThatEndsFinishesItsDeletions) {
   EXPECT_EQ(entries(), 0U);
 }
 
+// The next person's visit begins while the disk is still busy with what was to be deleted.
+TEST_F(Desk, ADeletionThatWaitsDeletesTheSessionAlsoWhenTheNextVisitHasBegun) {
+  std::promise<void> free;
+  erase_folder_ = [gate = free.get_future().share()](const std::string&) { gate.wait(); };
+  open_page();
+  const bool begun = begin() == 200;
+  frame(0);
+  page_->measured(987, "out");
+  const int saving = post("/operator/save", kForm).first;
+  const std::string id = job_done()["id"], visit = page_->visit();
+  auto deleted = std::async(std::launch::async, [&] { return page_->post("/delete", visit); });
+  EXPECT_EQ(deleted.wait_for(std::chrono::milliseconds(300)), std::future_status::timeout);
+  EXPECT_TRUE(sessions::read(root_, id)) << "not deleted yet";
+  const int next = begin();
+  free.set_value();
+  EXPECT_TRUE(begun);
+  EXPECT_EQ(saving, 202);
+  EXPECT_EQ(next, 200);
+  EXPECT_EQ(deleted.get(), 200);
+  EXPECT_FALSE(sessions::read(root_, id)) << "the answer says that it is gone";
+  EXPECT_EQ(phase(), "RECORDING") << "of the next person";
+  EXPECT_EQ(entries(), 1U);
+}
+
 TEST_F(Desk, DeleteDuringSavingLeavesNothing) {
   for (int i = 0; i < 5; ++i) {
     ASSERT_NO_FATAL_FAILURE(measured_visit());
     const std::string visit = page_->visit();
     ASSERT_EQ(post("/operator/save", kForm).first, 202);
     EXPECT_EQ(page_->post("/delete", visit), 200);
+    job_done();
+    EXPECT_EQ(entries(), 0U) << i;
+  }
+}
+
+// The disk is slow with it: what was saved while the person deleted it goes on the saving thread.
+TEST_F(Desk, ADeletionAfterSavingHoldsNothingUp) {
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_EQ(begin(), 200);
+    for (std::uint64_t number = 0; number < 40; ++number) frame(number);
+    page_->measured(987);
+    const std::string visit = page_->visit();
+    page_->operator_client();  // signs in
+    const int root = ::open(root_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    ASSERT_EQ(::flock(root, LOCK_EX), 0);  // a deletion waits for it
+    const int saving = post("/operator/save", kForm).first;
+    auto deleted = std::async(std::launch::async, [&] { return page_->post("/delete", visit); });
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    auto told = std::async(std::launch::async, [&] { return status_of("/operator/state"); });
+    const bool answered = told.wait_for(std::chrono::seconds(3)) == std::future_status::ready;
+    ::close(root);
+    EXPECT_TRUE(answered) << i;
+    EXPECT_EQ(saving, 202);
+    EXPECT_EQ(told.get(), 200);
+    EXPECT_EQ(deleted.get(), 200);
     job_done();
     EXPECT_EQ(entries(), 0U) << i;
   }

@@ -126,6 +126,15 @@ TEST_F(OperatorFields, ARegionIsDrawnOnTheFloorFromAbove) {
   EXPECT_GT(grey(0.27, 2.02), grey(0.9, 2.83) + 40);
   EXPECT_GT(grey(0.9, 2.83), 40);
   EXPECT_EQ(grey(-2.6, 5.6), 0) << "nothing is seen there";
+  // A picture that is cut off on its way is asked for again.
+  browser_->run(
+      "window.kept = get; window.cut = 0; window.unhandled = 0; "
+      "window.addEventListener('unhandledrejection', () => { ++unhandled; }); "
+      "get = async (path) => path === '/operator/plan' && cut++ === 0 ? "
+      "{blob: () => Promise.reject(new Error('cut off'))} : kept(path); "
+      "planSeen = ''");
+  EXPECT_TRUE(browser_->wait_for("return cut > 1 && !!document.body.dataset.plan"));
+  EXPECT_EQ(browser_->run("const count = unhandled; get = kept; return count"), 0);
   browser_->run("at('plan').scrollIntoView({block: 'center'})");
   const auto mouse = [&](const char* kind, double x, double z) {
     const Json box =

@@ -187,6 +187,10 @@ TEST_F(Phone, ReadsTheCodeFromTheScreenAndShowsTheResult) {
   EXPECT_EQ(browser.run("return at('size').textContent"), "Ihre Größe: M");
   const std::string beside = "Sie standen 3,9 cm über dem Boden; Ihre Körpergröße zählt ab dort.";
   EXPECT_EQ(browser.run("return at('doubts').textContent"), beside);
+  EXPECT_EQ(browser.run("return words.doubts({guidance: ['FEET_RAISED'], guidance_details: "
+                        "{feet_raised: {heels_mm: 48}}})[0]"),
+            "Für Absätze wurden etwa 4,8 cm von Ihrer Körpergröße abgezogen; ohne Schuhe wird sie genauer.")
+      << "who stands on the floor is not told that they do not";
   EXPECT_EQ(browser.run("return document.documentElement.scrollWidth <= innerWidth"), true);
   EXPECT_EQ(browser.run("return document.body.innerText.includes('undefined')"), false);
   browser.run("at('text').click()");

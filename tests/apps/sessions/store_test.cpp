@@ -1,15 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/sessions/store.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 
+#include <array>
+#include <atomic>
+#include <chrono>
 #include <csignal>
 #include <fstream>
+#include <future>
+#include <optional>
 #include <set>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include "a_record.h"
 
@@ -168,11 +178,55 @@ TEST_F(SessionStore, ALinkToItselfIsNamedAndTheOthersAreListed) {
   EXPECT_FALSE(list(root_ + "/loop"));
 }
 
+TEST_F(SessionStore, OneThatIsDeletedWhileTheyAreListedIsNotDamaged) {
+  std::vector<std::string> ids;
+  for (int i = 0; i < 100; ++i) ids.push_back(saved());
+  std::atomic<bool> over{false};
+  std::thread deleting([&] {
+    for (const std::string& id : ids) EXPECT_TRUE(remove(root_, id)) << id;
+    over = true;
+  });
+  std::set<std::string> damages;
+  while (!over) {
+    const auto all = list(root_);
+    if (!all) {
+      damages.insert(all.error().message);
+      continue;
+    }
+    for (const Listed& one : *all) damages.insert(one.damage);
+  }
+  deleting.join();
+  damages.erase("");
+  EXPECT_THAT(damages, IsEmpty());
+  fs::create_symlink("nowhere", fs::path(root_) / "lost");
+  EXPECT_THAT(*list(root_), SizeIs(1)) << "a link that leads nowhere is named";
+}
+
 TEST_F(SessionStore, DeletesAllOfOneById) {
   const std::string one = saved(), other = saved();
   ASSERT_TRUE(remove(root_, one));
   EXPECT_THAT(names_in(root_), ElementsAre(other));
   EXPECT_EQ(remove(root_, one).error().code, ErrorCode::not_found);
+}
+
+// A person's own Delete and the operator's, both behind somebody who holds the folder.
+TEST_F(SessionStore, OfTwoWhoDeleteOneTheSecondFindsNone) {
+  const std::string id = saved();
+  const int held = ::open(root_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  ASSERT_EQ(::flock(held, LOCK_EX), 0);
+  const auto deletion = [&] {
+    return std::async(std::launch::async, [&] {
+      const Status gone = remove(root_, id);
+      return gone ? std::optional<ErrorCode>() : gone.error().code;
+    });
+  };
+  auto one = deletion(), other = deletion();
+  EXPECT_EQ(one.wait_for(std::chrono::milliseconds(200)), std::future_status::timeout);
+  EXPECT_EQ(other.wait_for(std::chrono::milliseconds(200)), std::future_status::timeout);
+  ::close(held);
+  EXPECT_THAT((std::array{one.get(), other.get()}),
+              UnorderedElementsAre(std::optional<ErrorCode>(), std::optional(ErrorCode::not_found)));
+  EXPECT_THAT(names_in(root_), IsEmpty());
 }
 
 TEST_F(SessionStore, AnIdLeadsNowhereElse) {

@@ -35,7 +35,7 @@ enum class Guidance {
     OUT_OF_POPULATION,
     /** Not measured: the floor is curved in the depth. The lens is not corrected, or frames hold distances, not depths. */
     FLOOR_BENT,
-    /** The feet are on an object above the floor. Heights are measured from there. */
+    /** The feet are on an object above the floor, and heights are measured from there; or the person wears high heels. */
     FEET_RAISED,
     /** The top of the head has no depth. The interval of the stature extends upwards. */
     HEAD_UNSEEN,
