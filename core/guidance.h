@@ -33,7 +33,7 @@ enum class Guidance : std::uint32_t {
   out_of_population = 1U << 18,  // shorter or taller than all training people
   floor_bent = 1U << 19,         // a flat floor is curved in the depth
   // These accompany a measurement:
-  feet_raised = 1U << 20,  // the feet are above the floor, from where heights are measured; or in high heels
+  feet_raised = 1U << 20,  // the feet are above the floor; heights are measured from there
   head_unseen = 1U << 21,  // the top of the head has no depth
   // Decided for a frame:
   step_to_the_middle = 1U << 22,  // the person cannot be separated from a wall or shelf
