@@ -47,7 +47,8 @@ constexpr std::array<Spread, kMeasurementCount> kSpreads = {{
 // What is subtracted of a chest has two parts. The chest of `ansur` comes out 6 mm too small. And people are seen
 // with their arms some 30 degrees off, but measured with 10 to 14: lowering the arms takes 20 mm off a man's chest on
 // the mesh that is fitted, and 40 mm on the scans' of `other`, each by its skinning. What it takes off a person is
-// not known; half of the difference is a guess that errs least whichever of the two is right (docs/notebook/fit.md).
+// not known. Half of the difference is 10 mm; 4 mm less were taken, for people of `modifiers`. Set by hand, with the
+// errors of `other` known (docs/notebook/fit.md).
 
 // How much the levels of nipples and navel differ among people of one stature, mm. ANSUR II: standard deviation of
 // chestheight and waistheightomphalion about their straight line on stature, the larger of women and men. The surface

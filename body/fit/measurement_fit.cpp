@@ -39,7 +39,7 @@ constexpr double kSeenSdMm = 16;
 // answered one by up to 0.5, 0.7 and 0.8 kg.
 constexpr std::array<double, 3> kAroundSdsMm = {8, 16, 32};
 // What is met well enough where the body was measured all round: one body to a millimetre (docs/one-body.md), and
-// half of the smallest 95 % interval of a weight.
+// less than half of what a weight's 95 % interval has on either side after a turn (2.3 kg).
 constexpr double kNearlyMm = 1, kNearlyKg = 1;
 // Residuals at which the search ends: a tenth of the reported limit (kResidualToldMm).
 constexpr double kMetMm = 0.2, kMetKg = 0.02;
