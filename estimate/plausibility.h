@@ -8,7 +8,7 @@
 //   NOT_UPRIGHT         both knees of the fitted pose are bent           no answer
 //   OUT_OF_POPULATION   crown over floor as seen, before people count    no answer
 //   FEET_RAISED         the ground about the feet is level, above floor  heights count from that ground
-//   FEET_RAISED         toes are too near the shin for flat feet: heels  stature lowered, interval wider downwards
+//   FEET_RAISED         toes are too near the shin for flat feet: heels  stature lowered, interval wider
 //   HEAD_UNSEEN         the head ends flat below pixels without depth    stature raised, interval wider upwards
 //   none                the fitted stature is not that of the crown      both in the stature's interval
 #pragma once
