@@ -9,8 +9,8 @@
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/samples.h"
 #include "evaluation/measurements/scan_study.h"
-#include "person/data_files.h"
 #include "perception/joints/tracker.h"
+#include "person/data_files.h"
 
 namespace im2fit::apps {
 namespace {
