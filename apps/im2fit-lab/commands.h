@@ -23,6 +23,7 @@ void add_import_raw(cli::App& app, Command& chosen);
 void add_eval(cli::App& app, Command& chosen);
 void add_eval_limits(cli::App& app, Command& chosen);
 void add_eval_turn(cli::App& app, Command& chosen);
+void add_eval_scan(cli::App& app, Command& chosen);
 void add_study(cli::App& app, Command& chosen);
 void add_calibrate(cli::App& app, Command& chosen);
 void add_simulate_site(cli::App& app, Command& chosen);

@@ -14,12 +14,14 @@ int main(int argc, char** argv) {
   add_eval(app, chosen);
   add_eval_limits(app, chosen);
   add_eval_turn(app, chosen);
+  add_eval_scan(app, chosen);
   add_study(app, chosen);
   add_calibrate(app, chosen);
   add_simulate_site(app, chosen);
 #else
   footer +=
-      "\nThis build has no eval, eval-limits, eval-turn, population, study, calibrate and simulate-site: they come "
+      "\nThis build has no eval, eval-limits, eval-turn, eval-scan, population, study, calibrate and simulate-site: "
+      "they come "
       "with "
       "IM2FIT_BUILD_EVALUATION, as in preset release.";
 #endif

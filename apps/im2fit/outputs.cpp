@@ -16,6 +16,7 @@
 #include "report/measurement_file.h"
 #include "report/overlay.h"
 #include "report/text_table.h"
+#include "report/vrm_avatar.h"
 
 namespace im2fit::apps {
 namespace {
@@ -340,11 +341,19 @@ std::vector<std::string> session_notes(const SessionOutcome& outcome) {
 
 namespace {
 
-Status write_exports(const SessionOutcome& outcome, const SessionOptions& options) {
+Status write_exports(SessionOutcome& outcome, const SessionOptions& options) {
   const LengthUnit unit = options.export_unit == "in"   ? LengthUnit::in
                           : options.export_unit == "cm" ? LengthUnit::cm
                                                         : LengthUnit::mm;
   for (const std::string& path : options.exports) {
+    if (is_vrm_name(path)) {
+      if (auto made = make_avatar(outcome); !made) return made;
+      if (!outcome.avatar) return Error{ErrorCode::unsupported, path + ": no body was made; give --body"};
+      const auto vrm = vrm_of(outcome.avatar->avatar, outcome.avatar->figure);
+      if (!vrm) return vrm.error();
+      if (auto written = write_file_atomically(path, *vrm, Readable::by_owner); !written) return written;
+      continue;
+    }
     const auto text = measurement_file(outcome.person, path, unit);
     if (!text) return text.error();
     if (auto written = write_file_atomically(path, *text, Readable::by_owner); !written) return written;

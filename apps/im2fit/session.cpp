@@ -14,6 +14,7 @@
 #include "engine/engine.h"
 #include "report/measurement_file.h"
 #include "report/result_json.h"
+#include "report/vrm_avatar.h"
 
 namespace im2fit::apps {
 namespace {
@@ -150,10 +151,14 @@ void add_session_options(cli::App& sub, SessionOptions& options) {
       ->capture_default_str();
   add_motion_option(sub, options.motion);
   sub.add_option("--export", options.exports,
-                 "File(s) for all measurements: .smis (Seamly2D), .json (FreeSewing), .yaml (GarmentCode), .csv; see "
-                 "docs/tape.md")
+                 "File(s) for all measurements: .smis (Seamly2D), .json (FreeSewing), .yaml (GarmentCode), .csv; or "
+                 ".vrm, the avatar for VRM 1.0; see docs/tape.md")
       ->type_name("FILE")
-      ->check(measurement_file_fault);
+      ->check([](const std::string& path) {
+        if (is_vrm_name(path)) return std::string();
+        const std::string fault = measurement_file_fault(path);
+        return fault.empty() ? fault : fault + ", or .vrm (the avatar)";
+      });
   sub.add_option("--export-unit", options.export_unit,
                  "Unit of .csv; in also applies to .smis, which otherwise uses cm")
       ->one_of({"mm", "cm", "in"})

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "core/text.h"
+#include "hal/folder/camera_yaml.h"
 
 namespace im2fit::hal {
 namespace {
@@ -553,6 +554,31 @@ Result<LensWords> lens_words(const YAML::Node& root, const std::string& path, Pi
   const auto camera = kalibr_camera(root, path);
   if (!camera) return camera.error();
   return WordsReader(*camera, path).read(pictures);
+}
+
+std::optional<std::array<float, 9>> accelerometer_rotation(const std::string& text) try {
+  constexpr double kRotationOff = 0.02;
+  const auto root = calibration_tree(text, "");
+  if (!root) return std::nullopt;
+  const YAML::Node sensors = entry_of(entry_of(*root, {"calibrationinformation"}), {"inertialsensors"});
+  if (!sensors.IsDefined() || !sensors.IsSequence()) return std::nullopt;
+  for (const auto& sensor : sensors) {
+    const YAML::Node type = entry_of(sensor, {"sensortype"});
+    if (!type.IsDefined() || !type.IsScalar() || !contains_word(type.Scalar(), "Accelerometer")) continue;
+    const std::vector<double> r = numbers_of(entry_of(entry_of(sensor, {"rt"}), {"rotation"}));
+    if (r.size() != 9) return std::nullopt;
+    for (std::size_t a = 0; a < 9; a += 3)
+      for (std::size_t b = a; b < 9; b += 3) {
+        const double product = r[a] * r[b] + r[a + 1] * r[b + 1] + r[a + 2] * r[b + 2];
+        if (!(std::abs(product - (a == b ? 1 : 0)) < kRotationOff)) return std::nullopt;
+      }
+    std::array<float, 9> out{};
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = static_cast<float>(r[i]);
+    return out;
+  }
+  return std::nullopt;
+} catch (const YAML::Exception&) {
+  return std::nullopt;
 }
 
 }  // namespace im2fit::hal

@@ -3,6 +3,7 @@
 // XML), Open3D, kalibr, the makers of cameras and the recorders of phones write it; JSON is YAML.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -27,5 +28,9 @@ struct CameraFile : Calibration {
 Result<CameraFile> load_camera_yaml(const std::string& path, PictureSize pictures = {});
 // The same for a file's contents; `path` names the file in errors.
 Result<CameraFile> parse_camera_yaml(const std::string& text, const std::string& path, PictureSize pictures = {});
+
+// Of an Azure Kinect's calibration.json: the rotation from the depth camera's axes to those of the accelerometer, row
+// by row. None: the text has none.
+std::optional<std::array<float, 9>> accelerometer_rotation(const std::string& text);
 
 }  // namespace im2fit::hal

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/recording/kinect_recording.h"
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <charconv>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -120,14 +124,112 @@ std::int64_t start_offset_ns(const MatroskaHead& head) {
   return value >= 0 && value < kRecordedTimeMaxNs / 2 ? value : -1;
 }
 
+const MatroskaTrack* accelerometer_track(const MatroskaHead& head) {
+  for (const MatroskaTrack& track : head.tracks)
+    if (track.codec == "S_K4A/IMU" && !track.encoded) return &track;
+  return nullptr;
+}
+
+// The direction of gravity while a recording is read. The recorder writes samples of 40 bytes, little-endian: 8 of
+// time, three floats of acceleration in m/s2, 8 of time, three floats of the gyroscope.
+class RecordedGravity {
+ public:
+  RecordedGravity(FileCursor& file, const MatroskaHead& head, const std::array<float, 9>& from_depth)
+      : file_(file), blocks_(file, accelerometer_track(head)->number), from_depth_(from_depth) {}
+
+  void restart(std::uint64_t at) {
+    blocks_.restart(at);
+    waiting_.reset();
+    count_ = 0;
+    mean_ = {};
+  }
+
+  // In the depth camera's axes, with the samples of the blocks up to `time`, and of the first block in any case.
+  // None: there are no samples, or the camera is moved. Errors: io.
+  Result<std::optional<Vec3f>> down_at(std::int64_t time) {
+    for (;;) {
+      if (!waiting_) {
+        auto block = blocks_.next();
+        if (!block && block.error().code != ErrorCode::corrupt) return block.error();
+        if (!block || !*block) break;
+        waiting_ = Waiting{**block, file_.at()};
+      }
+      if (count_ > 0 && waiting_->block.time > time) break;
+      if (auto ok = take(); !ok) return ok.error();
+      waiting_.reset();
+    }
+    constexpr float kGravity = 9.81F, kOffMax = 0.1F * kGravity;
+    if (count_ == 0 || !(std::fabs(norm(mean_) - kGravity) < kOffMax)) return std::optional<Vec3f>();
+    // A camera that is held still reads the force that holds it, which points up.
+    const Vec3f down = -normalized(mean_);
+    const auto& r = from_depth_;
+    return std::optional(
+        normalized(Vec3f{r[0] * down.x + r[3] * down.y + r[6] * down.z, r[1] * down.x + r[4] * down.y + r[7] * down.z,
+                         r[2] * down.x + r[5] * down.y + r[8] * down.z}));
+  }
+
+ private:
+  static constexpr std::size_t kSampleBytes = 40, kAccelerationAt = 8;
+  struct Waiting {
+    MatroskaBlock block;
+    std::uint64_t at = 0;  // of its bytes
+  };
+
+  // Frames of one size stand at the end of their block, whatever form their sizes have.
+  Status take() {
+    const auto& [block, at] = *waiting_;
+    file_.seek(at);
+    std::uint64_t frames = 1;
+    if (block.laced) {
+      std::array<std::byte, 1> more{};
+      if (block.size < 1) return Ok{};
+      if (auto ok = file_.read(more); !ok) return ok;
+      frames += std::to_integer<std::uint64_t>(more[0]);
+    }
+    if (block.size < frames * kSampleBytes) return Ok{};
+    file_.seek(at + block.size - frames * kSampleBytes);
+    for (std::uint64_t i = 0; i < frames; ++i) {
+      std::array<std::byte, kSampleBytes> bytes{};
+      if (auto ok = file_.read(bytes); !ok) return ok;
+      const auto number = [&](std::size_t place) {
+        std::uint32_t bits = 0;
+        for (std::size_t b = 4; b-- > 0;)
+          bits = bits << 8 | std::to_integer<std::uint32_t>(bytes[kAccelerationAt + 4 * place + b]);
+        return std::bit_cast<float>(bits);
+      };
+      add({number(0), number(1), number(2)});
+    }
+    return Ok{};
+  }
+
+  // The mean of the last half second, of 1,666 samples a second.
+  void add(Vec3f sample) {
+    constexpr std::int64_t kMeanOf = 800;
+    constexpr float kStrongest = 1000;
+    if (!(norm(sample) < kStrongest)) return;
+    count_ = std::min(count_ + 1, kMeanOf);
+    mean_ = mean_ + (sample - mean_) * (1 / static_cast<float>(count_));
+  }
+
+  FileCursor& file_;
+  MatroskaBlocks blocks_;
+  std::array<float, 9> from_depth_;
+  std::optional<Waiting> waiting_;
+  std::int64_t count_ = 0;
+  Vec3f mean_;
+};
+
 class KinectReader final : public FrameReader {
  public:
-  KinectReader(FileCursor file, const MatroskaHead& head, const MatroskaTrack& track)
+  KinectReader(FileCursor file, const MatroskaHead& head, const MatroskaTrack& track,
+               const std::optional<std::array<float, 9>>& accelerometer)
       : file_(std::move(file)),
         blocks_(file_, track.number),
         begin_(head.first_cluster_at),
         scale_ns_(head.timestamp_scale_ns),
-        offset_ns_(start_offset_ns(head)) {}
+        offset_ns_(start_offset_ns(head)) {
+    if (accelerometer && accelerometer_track(head)) gravity_.emplace(file_, head, *accelerometer);
+  }
 
   // Up to where the file was cut off.
   Result<std::int64_t> count() {
@@ -147,6 +249,7 @@ class KinectReader final : public FrameReader {
 
   Status rewind() override {
     blocks_.restart(begin_);
+    if (gravity_) gravity_->restart(begin_);
     sequence_ = 0;
     times_.restart();
     return Ok{};
@@ -169,6 +272,7 @@ class KinectReader final : public FrameReader {
     info.host_ns = *time_ns;
     if (offset_ns_ >= 0) info.device_us = (info.host_ns + offset_ns_) / 1000;
     const auto pixels = static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
+    if ((*block)->laced) return Error{ErrorCode::corrupt, where + " shares its block with others; record it again"};
     if ((*block)->size != pixels * sizeof(std::uint16_t))
       return Error{ErrorCode::corrupt, where + " has " + std::to_string((*block)->size) + " bytes, expected " +
                                            std::to_string(pixels * sizeof(std::uint16_t))};
@@ -176,6 +280,11 @@ class KinectReader final : public FrameReader {
     for (std::uint16_t& value : std::span(picture.pixels, pixels)) {
       const auto* bytes = reinterpret_cast<const unsigned char*>(&value);
       value = static_cast<std::uint16_t>(bytes[0] << 8 | bytes[1]);
+    }
+    if (gravity_) {
+      const auto down = gravity_->down_at(time);
+      if (!down) return down.error();
+      info.down = *down;
     }
     return info;
   }
@@ -187,7 +296,16 @@ class KinectReader final : public FrameReader {
   std::int64_t offset_ns_;
   std::uint64_t sequence_ = 0;
   FrameTimes times_;
+  std::optional<RecordedGravity> gravity_;  // of file_
 };
+
+// Of the camera's own calibration, also where another one is given for the lens.
+std::optional<std::array<float, 9>> accelerometer_of(FileCursor& file, const MatroskaHead& head) {
+  const MatroskaAttachment* attached = calibration_of(head);
+  if (!attached || !accelerometer_track(head)) return std::nullopt;
+  const auto text = read_matroska_attachment(file, *attached);
+  return text ? accelerometer_rotation(*text) : std::nullopt;
+}
 
 }  // namespace
 
@@ -215,7 +333,8 @@ Result<std::unique_ptr<Source>> open_kinect_recording(FileCursor file, const Rec
                      "; give the calibration of these pictures"};
   about.calibration = *camera;
   about.sensor = SensorKind::time_of_flight;
-  auto reader = std::make_unique<KinectReader>(std::move(file), *head, **track);
+  const auto accelerometer = accelerometer_of(file, *head);
+  auto reader = std::make_unique<KinectReader>(std::move(file), *head, **track, accelerometer);
   const auto count = reader->count();
   if (!count) return count.error();
   about.frame_count = *count;

@@ -364,8 +364,8 @@ Result<std::optional<MatroskaBlock>> MatroskaBlocks::block(std::uint64_t end) {
   const auto after =
       static_cast<std::int16_t>(std::to_integer<unsigned>(about[0]) << 8 | std::to_integer<unsigned>(about[1]));
   constexpr std::byte kLacing{0x06};
-  if ((about[2] & kLacing) != std::byte{0}) return damaged(file_, "a picture that shares its block with others");
-  return std::optional(MatroskaBlock{static_cast<std::int64_t>(cluster_time_) + after, end - file_.at()});
+  return std::optional(MatroskaBlock{static_cast<std::int64_t>(cluster_time_) + after, end - file_.at(),
+                                     (about[2] & kLacing) != std::byte{0}});
 }
 
 }  // namespace im2fit::hal

@@ -52,6 +52,7 @@ Result<std::string> read_matroska_attachment(FileCursor& file, const MatroskaAtt
 struct MatroskaBlock {
   std::int64_t time = 0;   // in units of timestamp_scale_ns
   std::uint64_t size = 0;  // of its bytes, which come next in the file
+  bool laced = false;      // several frames: a byte with their number less one, their sizes in some form, their bytes
 };
 
 class MatroskaBlocks {

@@ -24,6 +24,7 @@ class RecordingSource final : public Source {
       return frame;
     }
     path_.deliver(depth);
+    if (frame->down) frame->down = rotate_upright(*frame->down, info_.rotate_deg);
     book_.saw(frame->sequence);
     return frame;
   }

@@ -19,7 +19,8 @@ class FrameReader {
  public:
   virtual ~FrameReader() = default;
   virtual Status rewind() = 0;
-  // The next picture in millimetres, as the camera stored it, into `picture` of the calibration's size. Errors:
+  // The next picture in millimetres, as the camera stored it, into `picture` of the calibration's size. `down` is in
+  // the axes of that picture. Errors:
   // corrupt (this picture is skipped; call again), end_of_stream, io.
   virtual Result<FrameInfo> next(DepthImage picture) = 0;
 };

@@ -249,6 +249,20 @@ Status unpack_entry(zip_t* zip, const Entry& entry, const std::string& path, con
   return status;
 }
 
+// Nothing else is in it.
+bool holds_only(const std::string& folder, const std::string& name) {
+  std::error_code code;
+  std::filesystem::directory_iterator it(folder, code);
+  if (code || it == std::filesystem::directory_iterator() || it->path().filename() != name) return false;
+  it.increment(code);
+  return !code && it == std::filesystem::directory_iterator();
+}
+
+#endif
+
+}  // namespace
+
+#if IM2FIT_HAVE_ZIP
 Status unpack_zip(const std::string& path, const std::string& folder) {
   if (auto ok = check_directory(path); !ok) return ok;
   int code = 0;
@@ -274,20 +288,6 @@ Status unpack_zip(const std::string& path, const std::string& folder) {
   return Ok{};
 }
 
-// Nothing else is in it.
-bool holds_only(const std::string& folder, const std::string& name) {
-  std::error_code code;
-  std::filesystem::directory_iterator it(folder, code);
-  if (code || it == std::filesystem::directory_iterator() || it->path().filename() != name) return false;
-  it.increment(code);
-  return !code && it == std::filesystem::directory_iterator();
-}
-
-#endif
-
-}  // namespace
-
-#if IM2FIT_HAVE_ZIP
 Result<std::unique_ptr<Source>> open_zip(
     const std::string& path, const std::function<Result<std::unique_ptr<Source>>(const std::string& folder)>& open) {
   auto folder = TemporaryFolder::make();
@@ -301,10 +301,14 @@ Result<std::unique_ptr<Source>> open_zip(
   return std::unique_ptr<Source>(new ZipSource(path, std::move(*folder), std::move(*source)));
 }
 #else
-Result<std::unique_ptr<Source>> open_zip(const std::string& path,
-                                         const std::function<Result<std::unique_ptr<Source>>(const std::string&)>&) {
+Status unpack_zip(const std::string& path, const std::string& /*folder*/) {
   return Error{ErrorCode::unsupported,
                path + " is an archive, and this build has no libzip; unpack it and give the folder"};
+}
+
+Result<std::unique_ptr<Source>> open_zip(const std::string& path,
+                                         const std::function<Result<std::unique_ptr<Source>>(const std::string&)>&) {
+  return unpack_zip(path, "").error();
 }
 #endif
 

@@ -23,6 +23,9 @@ inline constexpr std::uint64_t kZipBytesMax = std::uint64_t{4} << 30;  // of wha
 Result<std::unique_ptr<Source>> open_zip(
     const std::string& path, const std::function<Result<std::unique_ptr<Source>>(const std::string& folder)>& open);
 
+// The part of open_zip() that writes files: unpacks into `folder`, which is there and empty.
+Status unpack_zip(const std::string& path, const std::string& folder);
+
 // The folder that a source reads, also out of an archive; none: it reads something else.
 const FolderSource* folder_of(const Source& source);
 

@@ -260,6 +260,14 @@ TEST(Words, MeasureScanRefusesWhatIsNoScan) {
   EXPECT_THAT(run.err, testing::HasSubstr("nothing.ply does not exist"));
 }
 
+// A mesh's skin may look like loose clothes, and whoever wears these is measured from the front alone.
+TEST(Words, APersonInAScanIsBareUnlessToldOtherwise) {
+  const test::Run scan = start(test::kProgram, {"measure-scan", "--help"});
+  EXPECT_THAT(scan.out, testing::HasSubstr("--clothing TEXT:{auto,bare,dressed}=bare"));
+  const test::Run camera = start(test::kProgram, {"measure", "--help"});
+  EXPECT_THAT(camera.out, testing::HasSubstr("--clothing TEXT:{auto,bare,dressed}=auto"));
+}
+
 // On a fresh machine every command names what makes the file it lacks.
 TEST(Words, AFreshMachineGetsAdvice) {
   const test::TestFolder folder;

@@ -2,31 +2,16 @@
 // Rosbags as anyone may have written them: refused in one line, or frames, each read or one line, up to an end.
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "hal/recording/bag_recording.h"
-
-namespace {
-
-void check(const im2fit::Error& error) {
-  if (error.message.empty() || error.message.find('\n') != std::string::npos) __builtin_trap();
-}
-
-}  // namespace
+#include "recording_use.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace im2fit;
   auto source = hal::open_bag_recording(hal::FileCursor(std::as_bytes(std::span(data, size)), "a recording"), {});
-  if (!source) return check(source.error()), 0;
-  const Intrinsics k = (*source)->info().intrinsics;
-  std::vector<std::uint16_t> picture(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height));
-  // A message has 40 bytes or more, also where a compressed chunk repeats it.
+  if (!source) return fuzz::check_one_line(source.error()), 0;
+  // A message has 40 bytes or more, but a compressed chunk may repeat it more often than this.
   constexpr std::size_t kCallsMax = 100'000;
-  for (std::size_t calls = 0; calls < kCallsMax; ++calls) {
-    const auto frame = (*source)->next({picture.data(), k.width, k.height}, 0);
-    if (frame) continue;
-    check(frame.error());
-    if (frame.error().code == ErrorCode::end_of_stream) return 0;
-  }
+  fuzz::read_to_end(**source, kCallsMax);
   return 0;
 }

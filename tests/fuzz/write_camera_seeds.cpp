@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sound input for the fuzzers of cameras, of texts and of the page to start from: write_camera_seeds DIRECTORY makes
-// camera_yaml/, oni_protocol/, kinect_recording/, bag_recording/, depth_picture/, folder_times/, pose_table/,
-// recorder_text/, scan/, shop/, regions/, statistics/, size_chart/ and http/.
+// camera_yaml/, oni_protocol/, kinect_recording/, bag_recording/, zip/, depth_picture/, folder_times/,
+// pose_table/, recorder_text/, scan/, shop/, regions/, statistics/, size_chart/ and http/.
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -122,7 +122,10 @@ int main(int argc, char** argv) {
       {"oni_protocol/unclosed", two_frames(false)},
       {"bag_recording/realsense", fuzz::bag_recording(true)},
       {"bag_recording/ros", fuzz::bag_recording(false)},
-      {"kinect_recording/two", fuzz::matroska_recording()},
+      {"kinect_recording/two", fuzz::matroska_recording(false)},
+      {"kinect_recording/gravity", fuzz::matroska_recording(true)},
+      {"zip/stored", fuzz::zip_archive(false)},
+      {"zip/deflated", fuzz::zip_archive(true)},
       {"depth_picture/pgm", std::string("P5 4 2 65535\n") + std::string(16, '\x0B')},
       {"folder_times/both", "frame,host_ns,device_us\n0,1000,1\n1,2000,2\n2,3000,3\n"},
       {"folder_times/spreadsheet", "\xEF\xBB\xBF\"frame\";\"host_ns\";\r\n0;1000;\r\n1;2000;\r\n2;3000;\r\n"},

@@ -17,6 +17,7 @@
 #include "hal/open/open.h"
 #include "made_folder.h"
 #include "other_programs.h"
+#include "tests/fuzz/recording_seeds.h"
 
 namespace im2fit::hal {
 namespace {
@@ -268,6 +269,92 @@ TEST_F(KinectRecording, AChangedByteGivesFramesOrOneLine) {
       if (!frame && frame.error().code == ErrorCode::end_of_stream) break;
     }
     EXPECT_LT(calls, 10) << at;
+  }
+}
+
+// The accelerometer of fuzz::kKinectCalibration has its x axis behind the camera, y at its left and z below it.
+Vec3f down_of_samples(const std::vector<std::string>& samples) {
+  const std::string bytes = [&] {
+    std::string out = fuzz::matroska_recording(true);
+    const std::string first = fuzz::imu_sample(0, 0, -9.8F), second = fuzz::imu_sample(0, 1, -9.8F);
+    out.replace(out.find(first), first.size(), samples[0]);
+    out.replace(out.find(second), second.size(), samples[1]);
+    return out;
+  }();
+  auto source = open_kinect_recording(FileCursor(std::as_bytes(std::span(bytes)), "a.mkv"), {});
+  EXPECT_TRUE(source) << source.error().message;
+  Picture out(8, 6);
+  Vec3f down;
+  for (int i = 0; i < 2; ++i) {
+    const auto frame = (*source)->next(out.image(), 0);
+    EXPECT_TRUE(frame) << frame.error().message;
+    down = frame->down.value_or(Vec3f{0, 0, 0});
+  }
+  EXPECT_EQ((*source)->next(out.image(), 0).error().code, ErrorCode::end_of_stream);
+  return down;
+}
+
+TEST(KinectGravity, ManySamplesInOneBlockGiveOneDirection) {
+  // Two that differ: their mean.
+  const Vec3f mean = down_of_samples({fuzz::imu_sample(0, 1, -9.8F), fuzz::imu_sample(0, -1, -9.8F)});
+  EXPECT_NEAR(mean.x, 0, 1e-5);
+  EXPECT_NEAR(mean.y, 1, 1e-5);
+  EXPECT_NEAR(mean.z, 0, 1e-5);
+  // A camera that looks at the floor by 30 degrees: what holds it points up and, with a part, behind it.
+  const std::string tilted = fuzz::imu_sample(4.9F, 0, -8.487F);
+  const Vec3f down = down_of_samples({tilted, tilted});
+  EXPECT_NEAR(down.y, 0.866, 1e-3);
+  EXPECT_NEAR(down.z, 0.5, 1e-3);
+  // A camera that is moved, and one that falls, tell nothing.
+  for (const float force : {-6.0F, -13.0F, 0.0F}) {
+    const std::string moved = fuzz::imu_sample(0, 0, force);
+    EXPECT_EQ(norm(down_of_samples({moved, moved})), 0) << force;
+  }
+}
+
+// mkvmerge writes subtitles in the kind of blocks in which the recorder writes its samples. Their texts, of 40
+// letters each, are replaced.
+TEST_F(KinectRecording, GravityIsThatOfTheAccelerometersTrack) {
+  std::string text = kCalibration;
+  const std::string end = "]}}";
+  text.replace(text.rfind(end), end.size(),
+               R"(], "InertialSensors": [{"Rt": {"Rotation": [0.0003031194501090795, 0.1085868701338768,
+ -0.9940869212150574, -0.9999820590019226, -0.005916988011449575, -0.000951246009208262, -0.005985293071717024,
+ 0.9940693378448486, 0.10858312249183655]}, "SensorType": "CALIBRATION_InertialSensorType_Accelerometer"}]}})");
+  put(path("calibration.json"), text);
+  const std::string letters[] = {std::string(40, 'a'), std::string(40, 'b')};
+  put(path("imu.srt"), "1\n00:00:00,000 --> 00:00:00,020\n" + letters[0] + "\n\n2\n00:00:00,050 --> 00:00:00,070\n" +
+                           letters[1] + "\n\n");
+  ASSERT_TRUE(mkvmerge_writes("a.mkv", "--compression 0:none imu.srt --attach-file calibration.json"));
+  std::string bytes = bytes_of("a.mkv");
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    const std::size_t at = bytes.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    bytes.replace(at, from.size(), to);
+  };
+  replace("S_TEXT/UTF8", std::string("S_K4A/IMU\0\0", 11));
+  // Level: the depth camera of this device looks 6.2 degrees below its casing. Then rolled by 20 degrees.
+  replace(letters[0], fuzz::imu_sample(0, 0, -9.81F));
+  replace(letters[1], fuzz::imu_sample(0, -3.355F, -9.218F));
+  put(path("a.mkv"), bytes);
+  for (const int rotate : {0, 90}) {
+    OpenOptions options;
+    options.rotate_deg = rotate;
+    auto source = open_source(path("a.mkv"), options);
+    ASSERT_TRUE(source) << source.error().message;
+    Picture out((*source)->info().intrinsics.width, (*source)->info().intrinsics.height);
+    for (int round = 0; round < 2; ++round) {
+      ASSERT_TRUE((*source)->start());
+      for (int i = 0; i < 4; ++i) {
+        const auto frame = (*source)->next(out.image(), 0);
+        ASSERT_TRUE(frame) << frame.error().message;
+        ASSERT_TRUE(frame->down) << i;
+        const Vec3f level = rotate_upright(Vec3f{-0.006F, 0.994F, 0.1086F}, rotate);
+        const bool turned = i >= 2;  // after 50 ms the mean of both is half as much rolled
+        EXPECT_NEAR(dot(*frame->down, level), turned ? 0.9848 : 1, 1e-3) << i;
+        EXPECT_NEAR(norm(*frame->down), 1, 1e-5);
+      }
+    }
   }
 }
 
