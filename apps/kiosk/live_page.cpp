@@ -57,8 +57,14 @@ Result<std::unique_ptr<LivePage>> LivePage::open(const LivePageSettings& setting
     if (!statistics) return statistics.error();
     self.statistics_ = std::move(*statistics);
   }
-  self.board_.put("/shop.css", {"text/css; charset=utf-8", settings.shop ? shop_css(*settings.shop) : ""});
-  if (settings.shop && !settings.shop->logo.empty()) self.board_.put("/shop.png", {"image/png", settings.shop->logo});
+  for (Board* board : {&self.board_, &self.phone_board_}) {
+    board->put("/shop.css", {"text/css; charset=utf-8", settings.shop ? shop_css(*settings.shop) : ""});
+    if (settings.shop && !settings.shop->logo.empty()) board->put("/shop.png", {"image/png", settings.shop->logo});
+  }
+  // On the board for phones alone: a screen has it from its hello. Not the consent's words: nobody agrees there.
+  Json brand;
+  if (settings.shop) brand = {{"name", settings.shop->name}, {"logo", !settings.shop->logo.empty()}};
+  self.phone_board_.put("/shop.json", {"application/json", brand.dump()});
   self.begin({}, 0);
   self.publish_visit();
   PageHandlers handlers;

@@ -139,7 +139,7 @@ class LivePage {
   std::thread keeper_;
   Chores chores_;  // deletions
   HandOver hand_over_;
-  Board phone_board_;  // nothing stands on it
+  Board phone_board_;  // the shop's name, colours and logo
   // Last: they refer to the boards, the fitting room and the desk.
   std::unique_ptr<PageServer> phones_;  // null: no phone is handed anything
   std::unique_ptr<PageServer> server_;

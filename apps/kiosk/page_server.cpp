@@ -73,6 +73,11 @@ const WebFile* phone_file(std::string_view path) {
   return known ? web_file(path) : nullptr;
 }
 
+// Of a server for phones, the files that stand on its board.
+bool is_shops(std::string_view path) {
+  return path == "/shop.json" || path == "/shop.css" || path == "/shop.png";
+}
+
 bool is_operators(std::string_view path) {
   return path == "/operator" || path.rfind("/operator/", 0) == 0;
 }
@@ -304,9 +309,12 @@ MHD_Result PageServer::Parts::answer_phone(MHD_Connection* connection, const std
       return send(connection, MHD_HTTP_FORBIDDEN, copied("only the page itself may request this\n"), kPlainText);
     return send_answer(connection, handlers.take(*token.value));
   }
-  const WebFile* file = phone_file(path);
-  if (file == nullptr) return send(connection, MHD_HTTP_NOT_FOUND, copied("not found\n"), kPlainText);
-  return answer_file(connection, *file);
+  if (const WebFile* file = phone_file(path)) return answer_file(connection, *file);
+  if (auto file = is_shops(path) ? board.file(path) : nullptr) {
+    const std::string type = file->type;
+    return send(connection, MHD_HTTP_OK, shared(std::move(file)), type.c_str());
+  }
+  return send(connection, MHD_HTTP_NOT_FOUND, copied("not found\n"), kPlainText);
 }
 
 MHD_Result PageServer::Parts::answer_post(MHD_Connection* connection, Upload& upload) {

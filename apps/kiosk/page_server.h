@@ -58,7 +58,7 @@ struct PageHandlers {
   PageOffer offer;                // without it there is no /hand-over
   PageFacts facts;                // without it there is no /facts
   // With it the server is one for phones: it answers for the page that shows the taken result, its files, POST /take,
-  // and nothing else.
+  // of the board for /shop.json, /shop.css and /shop.png, and nothing else.
   PageTake take;
 };
 

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "evaluation/garment/drape_quality.h"
+#include "evaluation/garment/triangle_pixels.h"
 
 namespace im2fit::lab {
 namespace {
@@ -38,27 +39,13 @@ class Picture {
   // `outside`: what is seen where the triangle goes anticlockwise for the viewer, else `inside`; kNothing: not drawn.
   void fill(Vec3f p, Vec3f q, Vec3f r, Kind outside, Kind inside) {
     const Vec3f a = seen(p), b = seen(q), c = seen(r);
-    const float area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
-    const Kind kind = area < 0 ? outside : inside;  // y goes down
-    if (area == 0 || kind == kNothing) return;
-    const auto [x_low, x_high] = std::minmax({a.x, b.x, c.x});
-    const auto [y_low, y_high] = std::minmax({a.y, b.y, c.y});
-    const int x0 = std::max(0, static_cast<int>(std::ceil(x_low - 0.5F)));
-    const int x1 = std::min(width_ - 1, static_cast<int>(std::floor(x_high - 0.5F)));
-    const int y0 = std::max(0, static_cast<int>(std::ceil(y_low - 0.5F)));
-    const int y1 = std::min(height_ - 1, static_cast<int>(std::floor(y_high - 0.5F)));
-    for (int y = y0; y <= y1; ++y)
-      for (int x = x0; x <= x1; ++x) {
-        const float px = static_cast<float>(x) + 0.5F, py = static_cast<float>(y) + 0.5F;
-        const float s = ((px - a.x) * (c.y - a.y) - (c.x - a.x) * (py - a.y)) / area;
-        const float t = ((b.x - a.x) * (py - a.y) - (px - a.x) * (b.y - a.y)) / area;
-        if (s < 0 || t < 0 || s + t > 1) continue;
-        const float z = a.z + s * (b.z - a.z) + t * (c.z - a.z);
-        const auto at = static_cast<std::size_t>(y * width_ + x);
-        if (z <= nearest_[at]) continue;
-        nearest_[at] = z;
-        what_[at] = kind;
-      }
+    const Kind kind = doubled_area_px(a, b, c) < 0 ? outside : inside;
+    if (kind == kNothing) return;
+    for_each_pixel(width_, height_, a, b, c, [&](std::size_t at, float z) {
+      if (z <= nearest_[at]) return;
+      nearest_[at] = z;
+      what_[at] = kind;
+    });
   }
 
   void count(std::size_t view, StandingQuality& quality) const {
@@ -157,14 +144,20 @@ void judge_hems(const GarmentMesh& mesh, std::span<const Rim> rims, std::span<co
   std::size_t points = 0, level = 0;
   for (const Rim& rim : rims) {
     std::vector<Vec3f> hem;
-    for (const std::int32_t v : rim.vertices)
-      if ((mesh.border[static_cast<std::size_t>(v)] & body::kOnHem) != 0)
-        hem.push_back(places[static_cast<std::size_t>(v)]);
+    std::vector<std::size_t> vertices;
+    for (const std::int32_t v : rim.vertices) {
+      const auto at = static_cast<std::size_t>(v);
+      if ((mesh.border[at] & body::kOnHem) == 0) continue;
+      hem.push_back(places[at]);
+      vertices.push_back(at);
+    }
     if (hem.size() < 8 || 2 * hem.size() < rim.vertices.size()) continue;  // a neck or waist with a hem's corner
-    for (const float off : off_plane_mm(hem)) {
+    const std::vector<float> above = above_plane_mm(hem);
+    for (std::size_t i = 0; i < above.size(); ++i) {
       ++points;
-      level += off <= kHemOffMm ? 1U : 0U;
-      quality.hem_off_mm = std::max(quality.hem_off_mm, off);
+      level += std::fabs(above[i]) <= kHemOffMm ? 1U : 0U;
+      quality.hem_off_mm = std::max(quality.hem_off_mm, std::fabs(above[i]));
+      quality.hem_points.push_back({mesh.flat[vertices[i]], mesh.layer[vertices[i]], above[i]});
     }
   }
   quality.hem_share = points > 0 ? static_cast<float>(level) / static_cast<float>(points) : 1;
@@ -180,7 +173,7 @@ PictureView standing_view(std::size_t view) {
 }
 
 // Least squares of the height over x and z, both from their means.
-std::vector<float> off_plane_mm(const std::vector<Vec3f>& points) {
+std::vector<float> above_plane_mm(const std::vector<Vec3f>& points) {
   Vec3f mean{};
   for (const Vec3f& p : points) mean = mean + p * (1 / static_cast<float>(points.size()));
   double xx = 0, xz = 0, zz = 0, xy = 0, zy = 0;
@@ -196,13 +189,13 @@ std::vector<float> off_plane_mm(const std::vector<Vec3f>& points) {
   const double area = xx * zz - xz * xz;
   const double a = area > 0 ? (xy * zz - zy * xz) / area : 0, b = area > 0 ? (zy * xx - xy * xz) / area : 0;
   const double upright = 1 / std::sqrt(1 + a * a + b * b);
-  std::vector<float> off;
+  std::vector<float> above;
   for (const Vec3f& p : points) {
     const Vec3f d = p - mean;
-    off.push_back(static_cast<float>(
-        std::fabs(static_cast<double>(d.y) - a * static_cast<double>(d.x) - b * static_cast<double>(d.z)) * upright));
+    above.push_back(static_cast<float>(
+        (static_cast<double>(d.y) - a * static_cast<double>(d.x) - b * static_cast<double>(d.z)) * upright));
   }
-  return off;
+  return above;
 }
 
 StandingQuality judge_standing(const body::BodyModel& model, const Outfit& outfit, std::size_t index) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "body/model.h"
@@ -25,6 +26,13 @@ struct SeenFault {
   bool skin = false;  // else cloth's inside
 };
 
+// A vertex of a hem: where it is in the pattern's left half, and how far it lies above its hem's plane.
+struct HemPoint {
+  body::Flat place;
+  std::uint8_t layer = body::kFrontLayer;
+  float above_mm = 0;
+};
+
 struct StandingQuality {
   int cloth_px = 0;    // of all views
   int skin_px = 0;     // of skin that the garment should cover: its nearest cloth that faces as it does is no rim's
@@ -33,11 +41,12 @@ struct StandingQuality {
   // Hems lie level in the pattern, so round the body in a plane: the share of their points within kHemOffMm of their
   // hem's plane, and the largest distance.
   float hem_share = 1, hem_off_mm = 0;
+  std::vector<HemPoint> hem_points;
   std::vector<SeenFault> faults;
 };
 StandingQuality judge_standing(const body::BodyModel& model, const body::Outfit& outfit, std::size_t cloth);
 
-// Distances of a hem's points from the plane that lies nearest to them in height; no hem may stand upright.
-std::vector<float> off_plane_mm(const std::vector<Vec3f>& points);
+// How far a hem's points lie above the plane that is nearest to them in height; no hem may stand upright.
+std::vector<float> above_plane_mm(const std::vector<Vec3f>& points);
 
 }  // namespace im2fit::lab

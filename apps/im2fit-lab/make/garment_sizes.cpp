@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // im2fit-lab make garment-sizes BODY.i2b [--people N] [--only PERSON] [--sizes XS,M,...] [--worst N] [--sheet
-// FILE.png] [GARMENT...]: every garment, alone, in every size of the chart on standing people: skin seen through,
-// cloth's inside, rims, hems. Six examples, or so many held-out people (PERSON: as make garment-sheets has them). The
-// table begins with the worst drapes; FILE.png has those in pictures, faults as dots (skin red, inside blue).
+// FILE.png] [--hems] [GARMENT...]: every garment, alone, in every size of the chart on standing people: skin seen
+// through, cloth's inside, rims, hems. Six examples, or so many held-out people (PERSON: as make garment-sheets has
+// them). The table begins with the worst drapes; FILE.png has those in pictures, faults as dots (skin red, inside
+// blue).
+// --hems: where hems lie above their plane, by the place in the pattern: what to draw lower there.
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -34,12 +37,14 @@ using namespace im2fit::lab;
 constexpr int kCellWidth = 170, kCellHeight = 300, kTextHeight = 14, kColumns = 4;
 constexpr std::size_t kCellViews[] = {0, 2, 4, 6};  // of standing_view: front, left, back, right
 constexpr float kRimMm = 2.5F, kHemShare = 0.9F;    // the goals
+constexpr float kHemBandMm = 100;                   // a hem's points lie within, sleeves' hems higher
 
 struct SizesOptions {
   std::string body, sheet, only;
   int people = 0;  // 0: the examples
   std::size_t worst = 40;
   int scale = 1;  // of the sheet's pictures
+  bool hems = false;
   std::vector<std::string> sizes, garments;
 };
 
@@ -189,6 +194,48 @@ void print_summary(const std::vector<Case>& cases, const std::vector<const body:
   }
 }
 
+// Of a garment's lowest hem in the best size and its neighbours: mean and standard deviation over drapes, by the
+// place from the first to the last x of a panel's hem.
+void print_hems(const std::vector<Case>& cases, const body::GarmentPattern& pattern) {
+  constexpr int kPlaces = 10;
+  struct Sums {
+    double count = 0, sum = 0, squares = 0;
+  };
+  std::array<std::array<Sums, kPlaces + 1>, 2> sums{};  // front and back; a seam's vertex is in both
+  for (const Case& one : cases) {
+    if (one.pattern != &pattern || std::abs(one.from_best) > 1) continue;
+    float lowest = 1e9F, x_low = 1e9F, x_high = -1e9F;
+    for (const HemPoint& point : one.quality.hem_points) lowest = std::min(lowest, point.place.y);
+    const auto is_lowest = [&](const HemPoint& point) { return point.place.y < lowest + kHemBandMm; };
+    for (const HemPoint& point : one.quality.hem_points) {
+      if (!is_lowest(point)) continue;
+      x_low = std::min(x_low, point.place.x);
+      x_high = std::max(x_high, point.place.x);
+    }
+    for (const HemPoint& point : one.quality.hem_points) {
+      if (!is_lowest(point) || x_high <= x_low) continue;
+      const auto at = static_cast<std::size_t>(std::lround((point.place.x - x_low) / (x_high - x_low) * kPlaces));
+      for (const std::uint8_t layer : {body::kFrontLayer, body::kBackLayer}) {
+        if (point.layer != layer && point.layer != body::kBothLayers) continue;
+        Sums& of = sums[layer][at];
+        const auto above = static_cast<double>(point.above_mm);
+        of.count += 1;
+        of.sum += above;
+        of.squares += above * above;
+      }
+    }
+  }
+  for (const std::uint8_t layer : {body::kFrontLayer, body::kBackLayer}) {
+    std::printf("%-20s %-5s", pattern.id.c_str(), layer == body::kFrontLayer ? "front" : "back");
+    for (const Sums& of : sums[layer]) {
+      const double mean = of.count > 0 ? of.sum / of.count : 0;
+      const double variance = of.count > 0 ? std::max(0.0, of.squares / of.count - mean * mean) : 0;
+      std::printf(" | %+6.1f (%4.1f)", mean, std::sqrt(variance));
+    }
+    std::printf("\n");
+  }
+}
+
 int run(const SizesOptions& options) {
   const auto model = body::BodyModel::load(options.body);
   if (!model) {
@@ -256,6 +303,10 @@ int run(const SizesOptions& options) {
   print_summary(cases, patterns, kAll);
   std::printf("\nthe best size and its neighbours\n");
   print_summary(cases, patterns, 1);
+  if (options.hems) {
+    std::printf("\nhems above their plane, mm (standard deviation), from the panel's least x to its largest\n");
+    for (const body::GarmentPattern* pattern : patterns) print_hems(cases, *pattern);
+  }
   if (options.sheet.empty()) return 0;
   const int tall = options.scale * kCellHeight, rows = (static_cast<int>(shown) + kColumns - 1) / kColumns;
   const int wide = options.scale * kCellWidth * static_cast<int>(std::size(kCellViews));
@@ -292,6 +343,8 @@ int make_garment_sizes(int argc, char** argv) {
       options.sizes = split(argv[++i]);
     else if (word == "--sheet" && value)
       options.sheet = argv[++i];
+    else if (word == "--hems")
+      options.hems = true;
     else if (word.starts_with("--"))
       right = false;
     else if (options.body.empty())
@@ -302,7 +355,7 @@ int make_garment_sizes(int argc, char** argv) {
   if (!right || options.body.empty()) {
     std::fprintf(stderr,
                  "im2fit-lab make garment-sizes BODY.i2b [--people N] [--only PERSON] [--sizes XS,M,...] [--worst N] "
-                 "[--sheet FILE.png [--scale N]] [GARMENT...]\n");
+                 "[--sheet FILE.png [--scale N]] [--hems] [GARMENT...]\n");
     return 2;
   }
   return run(options);

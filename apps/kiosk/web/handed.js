@@ -6,11 +6,22 @@
 const at = (id) => document.getElementById(id);
 const words = new Words(new URLSearchParams(location.search).get('lang') || navigator.language || 'en');
 let taken = null, state = '';  // result.json; then 'once', 'gone' or 'lost'
+let shop = null;  // its name, and whether it has a logo; null: nobody is named
 
 // Null: there is nothing (any more) for this token.
 async function take(token) {
   const answer = await fetch('/take', {method: 'POST', headers: {'X-Im2fit-Token': token}});
   return answer.ok ? answer.json() : null;
+}
+
+// Null: nobody is named, or it could not be asked.
+async function askShop() {
+  try {
+    const answer = await fetch('/shop.json');
+    return answer.ok ? await answer.json() : null;
+  } catch (error) {
+    return null;
+  }
 }
 
 // Of each measurement: name, value and interval, as people write them.
@@ -24,7 +35,7 @@ function rows() {
 function asText(list) {
   const size = taken.size ? [`${words.table.page['size-title']}: ${taken.size.best}`] : [];
   const lines = list.map((row) => `${row.name}: ${row.value} (${row.interval})`);
-  return [...size, ...words.doubts(taken), `${words.unit('mm')}, ${words.table.page['interval-head']}`, ...lines, ''].join('\n');
+  return [...(shop ? [shop.name] : []), ...size, ...words.doubts(taken), `${words.unit('mm')}, ${words.table.page['interval-head']}`, ...lines, ''].join('\n');
 }
 function offer(id, text, type) {
   URL.revokeObjectURL(at(id).href);
@@ -35,6 +46,12 @@ function show() {
   document.documentElement.lang = words.language;
   const handed = words.table.handed;
   at('title').textContent = handed.title;
+  at('brand').hidden = !shop;
+  if (shop) {
+    document.title = at('shop').textContent = shop.name;
+    at('logo').hidden = !shop.logo;
+    if (shop.logo && !at('logo').src) at('logo').src = '/shop.png';
+  }
   at('note').textContent = state === 'lost' ? words.say('SERVER_GONE') : handed[state] || '';
   document.body.dataset.state = state;
   at('taken').hidden = !taken;
@@ -65,6 +82,7 @@ at('unit').addEventListener('click', () => {
 async function begin() {
   const token = location.hash.slice(1).toLowerCase();  // a keyboard may have made it begin with a capital
   await words.load();  // first: without texts nothing could be shown for a token that is used up
+  shop = await askShop();
   try {
     taken = token ? await take(token) : null;
     state = taken ? 'once' : 'gone';

@@ -8,6 +8,20 @@ const kSharePair = 0.74;   // of two, between the switches and their verdicts
 const kElbowRoomM = 0.95;  // that has to be in view across, with the arms
 const kApartM = 0.92;      // two bodies, from middle to middle
 
+const kBodyMaterials = ['skin', 'eyes', 'hair'];
+const kOverUnits = 1200;   // of the depth buffer: 12 mm at 4 m
+
+// Clothes that move may stand out of those over them, by some millimetres at a hem. What is worn over others is drawn
+// as if it were so much nearer.
+function layClothes(body) {
+  let clothes = 0;
+  body.traverse((o) => {
+    if (!o.material || kBodyMaterials.includes(o.material.name) || ++clothes < 2) return;
+    o.material.polygonOffset = true;
+    o.material.polygonOffsetUnits = -kOverUnits;
+  });
+}
+
 class Stage {
   // Throws where the browser has no WebGL.
   constructor(canvas) {
@@ -77,6 +91,7 @@ class Stage {
     if (!this.beside) this.faceFront();
     this.removeBeside();
     body.traverse((o) => { o.frustumCulled = false; });
+    layClothes(body);
     this.beside = {avatar: body, nodes: segments.map((name) => body.getObjectByName(name))};
     this.avatarLeft = avatarLeft;
     this.scene.add(body);
@@ -125,6 +140,7 @@ class Stage {
     this.avatar.traverse((o) => { o.frustumCulled = false; });  // bones move it out of the box it was made in
     this.nodes = segments.map((name) => this.avatar.getObjectByName(name));
     this.cloth = new MovingCloth(this.avatar);
+    layClothes(this.avatar);
     this.scene.add(this.avatar);
     const box = new THREE.Box3().setFromObject(this.avatar);
     const heightM = box.max.y - box.min.y;

@@ -245,8 +245,16 @@ TEST_F(Fitting, ABrowserTriesClothesOn) {
   // Nothing is called best that does not fit.
   EXPECT_THAT(browser.run(verdict).get<std::string>(), HasSubstr("(the closest size, none fits): "));
   press("#fitting-bottom [data-garment=skirt]");
+  // Trousers that stand out of a shirt's hem by some millimetres are not seen.
+  const auto drawn_nearer = [&] {
+    return browser.run(
+        "const m = []; stage.avatar.traverse((o) => { if (o.material && o.material.polygonOffset && "
+        "o.material.polygonOffsetUnits < -500) m.push(o.material.name); }); return m;");
+  };
+  EXPECT_EQ(drawn_nearer(), nlohmann::json::array({"t_shirt"}));
   part("top");
   press("#fitting-top [data-garment=dress]");
+  EXPECT_EQ(drawn_nearer(), nlohmann::json::array());
   EXPECT_EQ(materials(), with_look({"skin", "dress"}));
   press("#fitting-top [data-garment=t_shirt]");
   EXPECT_EQ(materials(), with_look({"skin", "skirt", "t_shirt"})) << "what the dress took the place of comes back";

@@ -151,7 +151,12 @@ TEST_F(Phone, ReadsTheCodeFromTheScreenAndShowsTheResult) {
   if (!test::Browser::installed()) GTEST_SKIP() << "no chromium: scripts/deps browser";
   if (!test::kReadsQr) GTEST_SKIP() << "no ZXing here: scripts/deps test";
   const test::TestFolder folder;
-  test::ShownPage page(handing_over());
+  apps::LivePageSettings settings = handing_over();
+  settings.shop.emplace();
+  settings.shop->name = "Müller & Söhne";
+  settings.shop->accent = {"#7a1f3d", "#f2a7bd"};
+  settings.shop->consent = {"7", "Müller GmbH", {{"en", "to find your size"}}, "privacy@mueller.example"};
+  test::ShownPage page(settings);
   test::Browser browser(folder.path(""), {"--lang=de-DE"});
   ASSERT_TRUE(browser.ready()) << browser.messages();
   browser.go(page.url());
@@ -185,6 +190,11 @@ TEST_F(Phone, ReadsTheCodeFromTheScreenAndShowsTheResult) {
   EXPECT_EQ(browser.run("return location.hash"), "") << "the token is of no use any more";
   EXPECT_EQ(browser.run("return document.querySelector('tr[data-id=chest_girth]').cells[1].textContent"), "91,1");
   EXPECT_EQ(browser.run("return at('size').textContent"), "Ihre Größe: M");
+  EXPECT_EQ(browser.run("return [document.title, at('shop').textContent, at('brand').hidden, at('logo').hidden]"),
+            (Json{"Müller & Söhne", "Müller & Söhne", false, true}));
+  EXPECT_EQ(browser.run("return at('brand').getClientRects().length > 0"), true) << "on a narrow screen, too";
+  EXPECT_EQ(browser.run("return getComputedStyle(document.documentElement).getPropertyValue('--accent').trim()"),
+            "#7a1f3d");
   const std::string beside = "Sie standen 3,9 cm über dem Boden; Ihre Körpergröße zählt ab dort.";
   EXPECT_EQ(browser.run("return at('doubts').textContent"), beside);
   EXPECT_EQ(browser.run("return words.doubts({guidance: ['FEET_RAISED'], guidance_details: "
@@ -199,13 +209,38 @@ TEST_F(Phone, ReadsTheCodeFromTheScreenAndShowsTheResult) {
     std::this_thread::sleep_for(milliseconds(10));
     text = test::read_text(folder.path("downloads/measurements.txt"));
   }
-  EXPECT_THAT(text, testing::AllOf(testing::HasSubstr("91,1 ("), testing::HasSubstr(beside)));
+  EXPECT_THAT(text, testing::AllOf(testing::StartsWith("Müller & Söhne\n"), testing::HasSubstr("91,1 ("),
+                                   testing::HasSubstr(beside)));
   if (const char* kept = std::getenv("IM2FIT_SCREENSHOTS"))
     test::write_text(std::string(kept) + "/phone.png", browser.screenshot());
   browser.go("about:blank");
   browser.go(address);
   ASSERT_TRUE(browser.wait_for("return document.body && document.body.dataset.state === 'gone'"));
   EXPECT_EQ(browser.run("return at('taken').hidden"), true);
+}
+
+// Of a shop a phone gets the name, the colours and the logo, nothing else; without a shop, nobody's.
+TEST_F(Phone, GetsTheShopsNameAndNothingElseOfIt) {
+  for (const bool named : {false, true}) {
+    apps::LivePageSettings settings = handing_over();
+    if (named) {
+      settings.shop.emplace();
+      settings.shop->name = "Müller & Söhne";
+      settings.shop->logo = "a picture";
+      settings.shop->consent = {"7", "Müller GmbH", {{"en", "to find your size"}}, "privacy@mueller.example"};
+    }
+    test::ShownPage page(settings);
+    ASSERT_NO_FATAL_FAILURE(measure(page, 911.25));
+    const std::string url = page.page().phone_url();
+    httplib::Client phone(url.substr(0, url.size() - 1));  // without its '/'
+    const auto shop = phone.Get("/shop.json");
+    ASSERT_TRUE(shop && shop->status == 200);
+    EXPECT_EQ(Json::parse(shop->body), named ? Json({{"name", "Müller & Söhne"}, {"logo", true}}) : Json());
+    EXPECT_EQ(phone.Get("/shop.css")->status, 200);
+    EXPECT_EQ(phone.Get("/shop.png")->status, named ? 200 : 404);
+    for (const char* path : {"/result.json", "/avatar.glb", "/events", "/picture.png", "/index.html", "/operator"})
+      EXPECT_EQ(phone.Get(path)->status, 404) << path;
+  }
 }
 
 class AxePhone : public Phone {};
