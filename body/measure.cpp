@@ -330,6 +330,14 @@ Measurer::Slopes Measurer::girth_slopes() const {
   return {slope(low.chest, high.chest), slope(low.waist, high.waist), slope(low.hip, high.hip)};
 }
 
+double Measurer::chest_girth_mm(std::span<const Vec3f> rest_vertices, float arms_off_deg, float raised_mm) {
+  const Skeleton& rest = work_->rest_bones;
+  const std::span<Vec3f> posed = work_->posed;
+  skin(*model_, rest_vertices, rest, relaxed_pose(rest, arms_off_deg), posed);
+  Standing standing(*model_, posed, work_->gender, work_->standing, raised_mm);
+  return perimeter_mm(standing.girth(kChest));
+}
+
 const MeasurementValues& Measurer::values() const {
   return work_->values;
 }

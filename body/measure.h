@@ -48,6 +48,9 @@ class Measurer {
     double chest = 0, waist = 0, hip = 0;
   };
   Slopes girth_slopes() const;
+  // The chest girth of the mesh measured last, `rest_vertices`, with the arms so far off the body, taken so much
+  // higher than at the nipples. posed() has the arms there afterwards.
+  double chest_girth_mm(std::span<const Vec3f> rest_vertices, float arms_off_deg, float raised_mm);
 
  private:
   struct Work;

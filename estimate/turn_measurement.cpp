@@ -5,15 +5,14 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <span>
 #include <vector>
 
 #include "body/fit/point_mesh.h"
 #include "body/fit/turn_fitter.h"
 #include "body/measure.h"
-#include "body/model_data.h"
 #include "body/shape_space.h"
+#include "estimate/turned_values.h"
 
 namespace im2fit {
 namespace {
@@ -37,18 +36,12 @@ constexpr std::array<Spread, kMeasurementCount> kSpreads = {{
     {0, 0},        // shoulder breadth
     {-2, 25},      // neck girth
     {3, 28},       // shoulder girth
-    {-12, 25},     // chest girth: see below
+    {0, 25},       // chest girth
     {-1, 14},      // waist girth
     {3, 18},       // hip girth
     {0, 0},        // inside leg
     {0.5F, 2.3F},  // weight
 }};
-
-// What is subtracted of a chest has two parts. The chest of `ansur` comes out 6 mm too small. And people are seen
-// with their arms some 30 degrees off, but measured with 10 to 14: lowering the arms takes 20 mm off a man's chest on
-// the mesh that is fitted, and 40 mm on the scans' of `other`, each by its skinning. What it takes off a person is
-// not known. Half of the difference is 10 mm; 4 mm less were taken, for people of `modifiers`. Set by hand, with the
-// errors of `other` known (docs/notebook/fit.md).
 
 // How much the levels of nipples and navel differ among people of one stature, mm. ANSUR II: standard deviation of
 // chestheight and waistheightomphalion about their straight line on stature, the larger of women and men. The surface
@@ -56,59 +49,6 @@ constexpr std::array<Spread, kMeasurementCount> kSpreads = {{
 // buttockheight's 28 mm, which is what their fitted level errs by (`im2fit-lab eval-turn`, 12 to 15 mm).
 constexpr float kChestHeightSdMm = 22, kWaistHeightSdMm = 22, kHipHeightSdMm = 14;
 constexpr float kOf95 = 1.96F;
-
-// The nipples' height that a stature lets expect, mm: chestheight of ANSUR II about its straight line on stature. How
-// much of the way to it the chest's section goes: a mesh of one make carries its maker's nipples, and what a camera
-// sees of a flat chest does not correct them. Women's are seen better, and vary more.
-struct Nipples {
-  float at_1700 = 0, a_mm = 0, share = 0;
-};
-constexpr Nipples kNipplesOfWomen = {1228.2F, 0.791F, 0.25F}, kNipplesOfMen = {1246.8F, 0.788F, 0.5F};
-
-// The slope of the girth is taken over so much (Measurer::girth_slopes).
-constexpr float kRaiseMaxMm = 20;
-
-// How much higher than at the fitted nipples the chest is to be measured, mm.
-float chest_raised_mm(const body::Measurer& measurer, const body::BodyModel& model, bool woman, float stature_mm) {
-  const Nipples& expected = woman ? kNipplesOfWomen : kNipplesOfMen;
-  float low_mm = std::numeric_limits<float>::max();
-  for (const Vec3f p : measurer.posed().first(static_cast<std::size_t>(model.body_vertex_count())))
-    low_mm = std::min(low_mm, p.y);
-  for (const body::Section& section : measurer.sections())
-    if (section.id == Measurement::chest_girth && !section.hull.empty())
-      return std::clamp(expected.share * (expected.at_1700 + expected.a_mm * (stature_mm - 1700) -
-                                          (section.hull.front().y - low_mm)),
-                        -kRaiseMaxMm, kRaiseMaxMm);
-  return 0;
-}
-
-// How much higher than at the rearmost vertex the hip is to be measured, mm: the middle of all that lies nearly as
-// far back, because one vertex is rearmost by chance. On people of `ansur` this errs by 9 mm instead of 13.
-float hip_raised_mm(const body::Measurer& measurer, const body::BodyModel& model) {
-  constexpr float kNearlyMm = 4, kAboutMm = 30;
-  const auto hip = std::find_if(measurer.sections().begin(), measurer.sections().end(), [](const body::Section& s) {
-    return s.id == Measurement::hip_girth && !s.hull.empty();
-  });
-  if (hip == measurer.sections().end()) return 0;
-  const float level = hip->hull.front().y;
-  const std::span<const Vec3f> skin = measurer.posed().first(static_cast<std::size_t>(model.body_vertex_count()));
-  const auto is_seat = [&](std::size_t v) {
-    const auto part = static_cast<body::Segment>(model.data().skin[v].segment[0]);
-    return (part == body::Segment::pelvis || part == body::Segment::left_upper_leg ||
-            part == body::Segment::right_upper_leg) &&
-           std::fabs(skin[v].y - level) < kAboutMm;
-  };
-  float rearmost = std::numeric_limits<float>::max();
-  for (std::size_t v = 0; v < skin.size(); ++v)
-    if (is_seat(v)) rearmost = std::min(rearmost, skin[v].z);
-  float weight = 0, sum = 0;
-  for (std::size_t v = 0; v < skin.size(); ++v)
-    if (const float w = rearmost + kNearlyMm - skin[v].z; w > 0 && is_seat(v)) {
-      weight += w;
-      sum += w * (skin[v].y - level);
-    }
-  return weight > 0 ? sum / weight : 0;
-}
 
 // Halves of the 95 % intervals that come from not knowing the height, mm.
 std::array<float, kMeasurementCount> level_doubts(const body::Measurer::Slopes& slopes) {
@@ -215,16 +155,11 @@ bool TurnMeasurement::measure(index::Answer& answer, body::SeenBody& seen) {
   base.gender = answer.female >= 0.5F ? 0.0F : 1.0F;
   w.model.morph(base, w.mesh);
   w.points.run(fit.points, fit.bones, w.mesh);
-  MeasurementValues values = w.measurer.measure_rest_mesh(w.mesh, base.gender);
+  const TurnedValues turned = measure_turned(w.model, w.measurer, w.mesh, base.gender == 0);
+  const MeasurementValues& values = turned.values;
   for (std::size_t m = 0; m < kMeasurementCount; ++m)
     if (kSpreads[m].half > 0 && !std::isfinite(values[m])) return false;
-  const body::Measurer::Slopes slopes = w.measurer.girth_slopes();
-  const std::array<float, kMeasurementCount> doubts = level_doubts(slopes);
-  values[measurement_index(Measurement::chest_girth)] +=
-      static_cast<float>(slopes.chest) *
-      chest_raised_mm(w.measurer, w.model, base.gender == 0, values[measurement_index(Measurement::stature)]);
-  values[measurement_index(Measurement::hip_girth)] +=
-      static_cast<float>(slopes.hip) * hip_raised_mm(w.measurer, w.model);
+  const std::array<float, kMeasurementCount> doubts = level_doubts(turned.slopes);
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {
     const Spread& spread = kSpreads[m];
     if (spread.half == 0) continue;

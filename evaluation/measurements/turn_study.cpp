@@ -23,6 +23,7 @@
 #include "body/start_bodies.h"
 #include "body/tape.h"
 #include "core/rng.h"
+#include "estimate/turned_values.h"
 #include "evaluation/measurements/error_statistics.h"
 #include "evaluation/population/other_tape.h"
 #include "hal/source.h"
@@ -175,9 +176,10 @@ void TurnSession::measure(const HeldOutPerson& person, TurnOutcome& outcome) {
   params.gender = outcome.woman ? 0.0F : 1.0F;
   model_.morph(params, mesh);
   mesh_.run(fit.points, fit.bones, mesh);
-  outcome.measured_values = measurer_.measure_rest_mesh(mesh, params.gender);
+  outcome.measured_values = measure_turned(model_, measurer_, mesh, outcome.woman).values;
   outcome.measured = true;
   compare_limbs(person, fit, mesh, outcome);
+  measurer_.measure_rest_mesh(mesh, params.gender);
   if (const auto levels = true_levels(person)) compare_levels(*levels, outcome);
 }
 

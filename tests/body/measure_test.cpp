@@ -184,6 +184,27 @@ TEST(Measure, GirthsAreTakenAtTheirLevels) {
   }
 }
 
+TEST(Measure, AChestIsMeasuredWithTheArmsAndAtTheHeightAskedFor) {
+  IM2FIT_NEEDS_BODY();
+  const BodyModel& model = *real_body();
+  Params p;
+  p.gender = 1;
+  p.age_years = 40;
+  std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
+  model.morph(p, rest);
+  Measurer measurer(model);
+  const double relaxed = value(measurer.measure_rest_mesh(rest, p.gender), Measurement::chest_girth);
+  const double slope = measurer.girth_slopes().chest;
+  const float relaxed_deg = relaxed_spread_deg(model, rest);
+  EXPECT_NEAR(measurer.chest_girth_mm(rest, relaxed_deg, 0), relaxed, 0.01);
+  const double above = measurer.chest_girth_mm(rest, relaxed_deg, 20);
+  const double below = measurer.chest_girth_mm(rest, relaxed_deg, -20);
+  EXPECT_NEAR((above - below) / 40, slope, 0.001);
+  // Linear blend skinning draws the flesh of the armpits inwards where arms are lowered.
+  EXPECT_GT(measurer.chest_girth_mm(rest, 30, 0), relaxed + 3);
+  EXPECT_LT(measurer.chest_girth_mm(rest, 30, 0), relaxed + 40);
+}
+
 TEST(Measure, NeckIsTheSmallestSectionAcrossItsAxis) {
   IM2FIT_NEEDS_BODY();
   const BodyModel& model = *real_body();
