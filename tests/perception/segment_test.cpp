@@ -103,7 +103,7 @@ TEST(Segment, MaskFollowsThePersonDownToTheFloor) {
 
 // The head is lower than a seated adult's, and larger for the body; legs are thinner than any adult's.
 TEST(Segment, AChildOfAMetreIsFound) {
-  constexpr float kScale = 0.62F, kHeadScale = 0.85F, kZ = 2400;
+  constexpr float kScale = 0.59F, kHeadScale = 0.85F, kZ = 2400;
   std::vector<room_test::Capsule> child = room_test::person_at(0, kZ);
   for (room_test::Capsule& c : child) {
     c.radius *= &c < child.data() + 2 ? kHeadScale : kScale;  // head and neck
