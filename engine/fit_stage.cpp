@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "index/clothing_estimate.h"
+
 namespace im2fit {
 namespace {
 
@@ -249,7 +251,7 @@ void FitStage::measure(bool ended) {
   result_.plausibility = person.plausibility;
   // No guidance is left, but what stands beside an answer: also CLOTHED for a person specified as bare.
   result_.guidance = person.plausibility.beside;
-  if (clothing_ == ClothingGiven::bare && person.answer.clothed)
+  if (clothing_ == ClothingGiven::bare && index::looks_dressed(person.answer, clothing_))
     result_.guidance |= static_cast<GuidanceSet>(Guidance::clothed);
   result_.arms_close = 0;
   if (step.turn) {

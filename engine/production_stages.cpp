@@ -9,6 +9,7 @@
 #include "estimate/restored_edges.h"
 #include "estimate/turn_measurement.h"
 #include "hal/steady_view.h"
+#include "index/clothing_estimate.h"
 
 namespace im2fit {
 namespace {
@@ -20,6 +21,7 @@ class ProductionStages final : public SensingStages {
       : SensingStages(width, height, joint_model, options.turn),
         sensor_(options.sensor),
         turn_(options.turn),
+        clothing_(options.clothing),
         query_(index, options.shape_space, options.clothing) {
     if (is_all_round(options.turn)) around_.emplace(*options.body, width, height);
   }
@@ -75,7 +77,7 @@ class ProductionStages final : public SensingStages {
     // outline seen from the side is not known.
     const MeasuredPerson& p = front_person_;
     following_ =
-        !p.answer.clothed && !edges_restored() &&
+        !index::looks_dressed(p.answer, clothing_) && !edges_restored() &&
         around_->begin({p.seen, p.joints, p.floor, front().depth_q4(), front().mask(), front().intrinsics()});
     return following_;
   }
@@ -113,6 +115,7 @@ class ProductionStages final : public SensingStages {
  private:
   const SensorKind sensor_;
   const Turn turn_;
+  const ClothingGiven clothing_;
   RefinedQuery query_;
   std::optional<Error> fault_;
 

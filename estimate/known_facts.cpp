@@ -5,6 +5,8 @@
 #include <cmath>
 #include <string>
 
+#include "index/clothing_estimate.h"
+
 namespace im2fit {
 namespace {
 
@@ -119,7 +121,8 @@ ErrorCorrelation independent_errors() {
 }  // namespace
 
 std::size_t error_table_of(const index::Answer& answer) {
-  return (answer.clothed ? 2U : 0U) + (answer.from == index::AnsweredFrom::front_and_back ? 1U : 0U);
+  return (index::looks_dressed(answer, ClothingGiven::unknown) ? 2U : 0U) +
+         (answer.from == index::AnsweredFrom::front_and_back ? 1U : 0U);
 }
 
 KnownOutcome condition(const KnownFacts& facts, index::Answer& answer, AgeAnswer& age) {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "index/clothing_estimate.h"
+
 // The thresholds of all refusals and corrections. Sources:
 //   [people]  300 ordinary people of three makes (ansur, other, modifiers), condition noise, 2026-11-30: what they
 //             have at most. docs/notebook/limits.md has the table, and false alarms by build and stature
@@ -32,16 +34,18 @@ constexpr float kGroundShareMin = 0.35F;
 constexpr float kRaisedTooTallMm = 5, kRaisedTwoSdMm = 12;
 
 // Toes lie 110 to 185 in front of the shin of 24 people as they are, 137 to 210 of 24 in shoes and clothes, 53 to 125
-// of 24 with heels raised by 50 to 95. Less three times the ankle's front, which tells how the shin leans: 131 and
-// more against 29 to 104. Those 24 read 33 to 66 too tall; [people] [scenes]
+// of 24 with heels raised by 50 to 95, up to 141 of 12 others. Less three times the ankle's front, which tells how
+// the shin leans: 131 and more against 29 to 114. Those 24 read 33 to 66 too tall; [people] [scenes]
 constexpr float kToeReachStatureMm = 1700;  // of the figures
-constexpr float kToeReachMin = 130, kToeReachOfLeanMin = 115, kReachALean = 3;
+constexpr float kToeReachMin = 145, kToeReachOfLeanMin = 115, kReachALean = 3;
 constexpr float kHeelsTooTallMm = 48, kHeelsTwoSdMm = 30;
 
 // Crowns have up to 0.55, and up to 0.45 of the pixels above them are lost; [people]. Where the background is not
 // seen either, lost pixels mean nothing.
 constexpr float kFlatMin = 0.5F, kFlatAloneMin = 0.62F;
 constexpr float kLostMin = 0.5F;
+// A crown flatter than any seen whole needs fewer lost pixels: four of 12 had 0.42 to 0.49 and 0.62 to 0.77; [scenes]
+constexpr float kFlatSureMin = 0.6F, kLostOfFlatMin = 0.4F;
 // The fit closes the head or follows the edge. The mean that the stature then lacks, and two SD of it; [scenes]
 constexpr float kClosedAboveMm = 60;
 constexpr float kClosedMissingMm = 9, kClosedTwoSdMm = 14;
@@ -92,9 +96,10 @@ bool heels_raised(const SurroundingsSigns& signs, float seen_stature_mm) {
 }
 
 bool crown_lost(const SurroundingsSigns& signs, float flatness) {
-  const bool lost = signs.above_known && signs.lost_above_share > kLostMin;
   const bool tells = signs.lost_beside_share < kLostMin;
-  return lost && flatness > (tells ? kFlatMin : kFlatAloneMin);
+  if (!signs.above_known) return false;
+  if (tells && flatness > kFlatSureMin && signs.lost_above_share > kLostOfFlatMin) return true;
+  return signs.lost_above_share > kLostMin && flatness > (tells ? kFlatMin : kFlatAloneMin);
 }
 
 }  // namespace
@@ -168,7 +173,7 @@ void correct(const Plausibility& plausibility, index::Answer& answer) {
   index::IntervalEstimate& stature = answer.measurements[measurement_index(Measurement::stature)];
   // A crown that is known to lack is counted below.
   if (!has(plausibility.beside, Guidance::head_unseen))
-    reconcile(plausibility.seen_stature_mm, answer.clothed, stature);
+    reconcile(plausibility.seen_stature_mm, index::looks_dressed(answer, ClothingGiven::unknown), stature);
   if (plausibility.heels_mm > 0) {
     stature.value -= plausibility.heels_mm;
     stature.low -= plausibility.heels_mm + kHeelsTwoSdMm;

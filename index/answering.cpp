@@ -121,8 +121,9 @@ Result<Answer> Answerer::answer(const Seen& seen, const QueryOptions& options, W
   if (!bare) return bare.error();
   const auto dressed = answer_as(true, seen, options, work);
   if (!dressed) return dressed.error();
-  Answer out = probability >= 0.5F ? *dressed : *bare;  // the entry nearest to either
-  if (probability > 0 && probability < 1) mix_answers(*bare, *dressed, probability, out);
+  const bool told = seen.clothing == ClothingGiven::dressed;
+  Answer out = told ? *dressed : *bare;
+  if (!told && probability > 0) widen_for(*dressed, probability, out);
   out.clothing = {seen_dressed, probability * ease_between_mm(*bare, *dressed)};
   return out;
 }

@@ -38,19 +38,23 @@ float with_given(float probability, ClothingGiven given) {
   return dressed < kNegligible ? 0 : dressed;
 }
 
-void mix_answers(const Answer& bare, const Answer& dressed, float probability, Answer& out) {
+bool looks_dressed(const Answer& answer, ClothingGiven given) {
+  return answer.clothed || with_given(answer.clothing.probability, given) >= 0.5F;
+}
+
+void widen_for(const Answer& dressed, float probability, Answer& bare) {
   constexpr float kSdsOf95 = 1.96F;
   const float p = probability, q = 1 - probability;
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {
-    const IntervalEstimate& a = bare.measurements[m];
+    IntervalEstimate& a = bare.measurements[m];
     const IntervalEstimate& b = dressed.measurements[m];
-    const float value = q * a.value + p * b.value;
+    const float expected = q * a.value + p * b.value;
     const float apart = p * q * squared(kSdsOf95 * (b.value - a.value));
     const float below = q * squared(a.value - a.low) + p * squared(b.value - b.low) + apart;
     const float above = q * squared(a.high - a.value) + p * squared(b.high - b.value) + apart;
-    out.measurements[m] = {value, value - std::sqrt(below), value + std::sqrt(above)};
+    a.low = std::min(a.low, expected - std::sqrt(below));
+    a.high = std::max(a.high, expected + std::sqrt(above));
   }
-  out.female = q * bare.female + p * dressed.female;
 }
 
 float ease_between_mm(const Answer& bare, const Answer& dressed) {

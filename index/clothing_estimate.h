@@ -57,9 +57,13 @@ class ClothingEstimator {
 // becomes 0.
 float with_given(float probability, ClothingGiven given);
 
-// Mixes two answers about the same person by the probability of `dressed`. Values are expected values; an interval
-// covers both answers' own widths and their distance.
-void mix_answers(const Answer& bare, const Answer& dressed, float probability, Answer& out);
+// Whether the answer is of a dressed person, or of one who is told not to be (`given`) and is dressed more likely
+// than not.
+bool looks_dressed(const Answer& answer, ClothingGiven given);
+
+// Widens the intervals of the answer as if bare by the probability of `dressed`: they then hold the interval of the
+// mixture of both answers. Values stay: the estimate does not carry to other makes of people, so it only adds doubt.
+void widen_for(const Answer& dressed, float probability, Answer& bare);
 
 // The ease of the cloth at the trunk, from the differences of two answers about one person: mean over chest, waist
 // and hips, mm; not below 0.

@@ -249,6 +249,8 @@ std::string result_table(const SessionOutcome& outcome, bool paper) {
                         clothing.probability, clothing.ease_mm, result.answer.clothed ? "dressed" : "bare",
                         has(result.guidance, Guidance::clothed)
                             ? ": CLOTHED, but --clothing is bare; take off loose clothes, or give --clothing dressed"
+                        : !result.answer.clothed && clothing.probability >= 0.5F
+                            ? ": intervals are wider; for the body under clothes, give --clothing dressed"
                             : "");
   }
   if (outcome.person.size) {

@@ -113,8 +113,8 @@ void add_session_options(cli::App& sub, SessionOptions& options) {
       ->excludes(turn);
   sub.add_option("--clothing", options.clothing,
                  "Clothing of the person. bare: underwear or close-fitting sportswear. dressed: the body under the "
-                 "clothes is measured, with wider intervals. auto: estimated from the frames; intervals include the "
-                 "uncertainty")
+                 "clothes is measured, with wider intervals. auto: as bare, and intervals "
+                 "widen if the frames show clothes")
       ->one_of(std::vector<std::string>(kClothingGivenNames.begin(), kClothingGivenNames.end()))
       ->capture_default_str();
   add_known_options(sub, options.known_words);

@@ -43,7 +43,8 @@ std::string csv_of(const std::vector<ConditionRun>& runs) {
 
 std::string people_csv_of(const std::vector<ConditionRun>& runs) {
   std::string csv =
-      "family,condition,person,woman,measured,measurement,truth,value,low,high,again,nearest,raw_nearest,paper\n";
+      "family,condition,person,woman,measured,measurement,truth,value,low,high,again,nearest,raw_nearest,paper,"
+      "dressed,clothing_probability\n";
   const auto precise = [](double value) { return std::isfinite(value) ? fmt::format("{:.2f}", value) : ""; };
   for (const ConditionRun& run : runs)
     for (std::size_t i = 0; i < run.outcomes.size(); ++i)
@@ -58,7 +59,8 @@ std::string people_csv_of(const std::vector<ConditionRun>& runs) {
               o.measured_again ? static_cast<double>(o.again[m]) : none, value_of(o, Estimator::nearest, m),
               value_of(o, Estimator::raw, m), value_of(o, Estimator::paper, m)})
           csv += "," + (o.measured ? precise(value) : "");
-        csv += "\n";
+        csv += fmt::format(",{},{}\n", o.dressed ? 1 : 0,
+                           o.measured ? cell(static_cast<double>(o.answer.clothing.probability)) : "");
       }
   return csv;
 }

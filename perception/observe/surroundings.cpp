@@ -16,6 +16,7 @@ constexpr int kBendFrames = 8;  // a floor is the same in every frame
 constexpr int kGroundAcross = 320;        // pixels read along the picture's long side
 constexpr float kFeetTopMm = 120;         // above the lowest of the mask: feet
 constexpr float kGroundReachMm = 170;     // from the middle of the feet
+constexpr float kFeetAheadMaxMm = 150;    // of the trunk: farther, it is the front of what the person stands on
 constexpr float kGroundHalfFloorMm = 12;  // about the floor: its noise
 constexpr int kFeetPixelsMin = 10;
 constexpr float kGroundMinMm = -60, kGroundBinMm = 5;
@@ -126,6 +127,18 @@ Feet feet_of(DepthView depth, MaskView mask, const Intrinsics& k, const Person& 
   return feet;
 }
 
+// The middle of the upper half of the mask, without a pixel: 0.
+Vec3f trunk_of(DepthView depth, MaskView mask, const Intrinsics& k, const Person& person, int step) {
+  Vec3f sum;
+  int count = 0;
+  for (int v = person.v_min; v < (person.v_min + person.v_max) / 2; v += 2 * step)
+    look_at_row(depth, mask, k, person, 2 * step, v, [&](Vec3f p) {
+      sum = sum + p;
+      ++count;
+    });
+  return count > 0 ? sum * (1.0F / static_cast<float>(count)) : sum;
+}
+
 // Share of the pixels without depth.
 struct LostShare {
   int lost = 0, all = 0;
@@ -206,14 +219,21 @@ void Surroundings::add_ground(DepthView depth, MaskView mask, const Intrinsics& 
   const int step = std::max(1, (std::max(depth.width, depth.height) + kGroundAcross / 2) / kGroundAcross);
   const Feet feet = feet_of(depth, mask, k, person, step);
   if (feet.count < kFeetPixelsMin) return;
-  const Vec3f middle = feet.sum * (1.0F / static_cast<float>(feet.count));
-  if (facing) add_feet(depth, mask, k, person, step, middle);
+  Vec3f middle = feet.sum * (1.0F / static_cast<float>(feet.count));
+  // The front of a platform may be taken for the feet: then these are below the trunk.
+  const Vec3f trunk = trunk_of(depth, mask, k, person, step);
+  const Vec3f forward = normalized(floor.up * floor.up.z - Vec3f{0, 0, 1});
+  const bool ahead = trunk.z > 0 && dot(forward, middle - trunk) > kFeetAheadMaxMm;
+  if (ahead) middle = trunk + floor.up * dot(floor.up, middle - trunk);
+  if (facing && !ahead) add_feet(depth, mask, k, person, step, middle);
   if (!(middle.z > kGroundReachMm)) return;
   const int reach = static_cast<int>(kGroundReachMm * k.fx / (middle.z - kGroundReachMm)) + 1;
   const int centre_u = static_cast<int>(k.cx + k.fx * middle.x / middle.z);
   const int centre_v = static_cast<int>(k.cy + k.fy * middle.y / middle.z);
   GroundLevels levels;
-  for (int v = std::max(0, centre_v - reach); v <= std::min(depth.height - 1, centre_v + reach); v += step)
+  // What stands on a high platform lies above its lowest point.
+  const int above = ahead ? 2 * reach : reach;
+  for (int v = std::max(0, centre_v - above); v <= std::min(depth.height - 1, centre_v + reach); v += step)
     for (int u = std::max(0, centre_u - reach); u <= std::min(depth.width - 1, centre_u + reach); u += step) {
       if (depth.at(u, v) == 0) continue;
       const Vec3f p = point_of(depth, k, u, v);

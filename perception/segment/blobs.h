@@ -96,7 +96,7 @@ struct TrunkShape {
 TrunkShape trunk_shape(const Grid& grid, std::span<const std::uint16_t> labels, int blob, int c, int r_first,
                        int r_last, float z_mm);
 float trunk_misfit(const TrunkShape& shape);
-bool has_legs(const Grid& grid, const Blobs& found, int blob);
+bool has_legs(const Grid& grid, const Blobs& found, int blob, float scale = 1);  // scale: of an adult's legs
 
 struct Roundness {
   float score = 0;     // mm: 12 to 45 for people, below 9 for furniture

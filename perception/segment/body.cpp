@@ -243,7 +243,7 @@ float trunk_misfit(const TrunkShape& shape) {
 
 // Below the middle, rows of one or two runs (1.4 to 2.35 on average), as wide as legs and as round: of 57 people
 // without a clear head 47, of 240 pieces of furniture of a person's size 2.
-bool has_legs(const Grid& grid, const Blobs& found, int b) {
+bool has_legs(const Grid& grid, const Blobs& found, int b, float scale) {
   const Blob& blob = found.blobs[at(b)];
   const auto label = static_cast<std::uint16_t>(b + 1);
   const int tall = blob.r_max - blob.r_min + 1;
@@ -279,8 +279,8 @@ bool has_legs(const Grid& grid, const Blobs& found, int b) {
   const float runs = static_cast<float>(run_count) / rows;
   const float wide_mm = static_cast<float>(widest_sum) / rows * mm;
   const float bulge_mm = bulge_sum / static_cast<float>(round_count);
-  return runs >= kLegRunsMin && runs <= kLegRunsMax && wide_mm >= kLegWideMinMm && wide_mm <= kLegWideMaxMm &&
-         bulge_mm >= kLegBulgeMinMm && bulge_mm <= kLegBulgeMaxMm;
+  return runs >= kLegRunsMin && runs <= kLegRunsMax && wide_mm >= scale * kLegWideMinMm && wide_mm <= kLegWideMaxMm &&
+         bulge_mm >= scale * kLegBulgeMinMm && bulge_mm <= kLegBulgeMaxMm;
 }
 
 // Ends in the air with only farther things below: a coat, a picture on the wall. A person's legs may be hidden by

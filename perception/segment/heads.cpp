@@ -12,6 +12,7 @@
 //   [coats]  excludes coats on stands (commit 78a99e4): chosen on synthetic rooms, no measurement on
 //            record
 //   [rooms]  chosen on synthetic rooms, no measurement on record
+//   [children] came with children of 1.0 to 1.1 m: of 12 of 1.0 to 1.37 m 3 were not found before
 namespace im2fit::segment::heads_limits {
 
 // Rows below the crown, mm, and what is measured in them.
@@ -28,10 +29,12 @@ constexpr float kTrunkHalfMm = 180.0F;     // either side of the trunk's middle,
 
 // Limits a head must keep.
 constexpr float kHeadHeightMinMm = 1100.0F;  // above the floor, least: a seated adult's; [rooms]
-constexpr float kNarrowestMinMm = 85.0F;     // width of its narrowest row, least; [250]
-constexpr float kWidestMaxMm = 330.0F;       // of its widest row, most; [250]
-constexpr float kWidthMinMm = 105.0F;        // mean width, least; [250]
-constexpr float kWidthMaxMm = 270.0F;        // and most; [250]
+constexpr float kHeadOnLegsMinMm = 900.0F;   // and of one who stands on legs, a child's of 1 m; [children]
+constexpr float kLegsStatureMm = 1500.0F;  // of those whose legs the limits are of: a child's are thinner; [children]
+constexpr float kNarrowestMinMm = 85.0F;   // width of its narrowest row, least; [250]
+constexpr float kWidestMaxMm = 330.0F;     // of its widest row, most; [250]
+constexpr float kWidthMinMm = 105.0F;      // mean width, least; [250]
+constexpr float kWidthMaxMm = 270.0F;      // and most; [250]
 constexpr float kNarrowestShareMin =
     0.45F;                                 // narrowest row over widest: below, it is cut in two or a corner; [corner]
 constexpr float kNeckWidthMinMm = 90.0F;   // a neck below is a pole's; [rooms]
@@ -284,7 +287,8 @@ void find_heads(const Grid& grid, const FloorPlane& floor, int b, Blobs& found) 
     if (!head_at(grid, found, b, (c + flat) / 2, r, head)) continue;
     if (floor.known) {
       const float height = grid.height_mm[at(grid.index((c + flat) / 2, r))];
-      if (height < kHeadHeightMinMm || height > kHeadHeightMaxMm) continue;
+      if (height < kHeadOnLegsMinMm || height > kHeadHeightMaxMm) continue;
+      if (height < kHeadHeightMinMm && !has_legs(grid, found, b, height / kLegsStatureMm)) continue;
     }
     bool apart = true;
     for (int h = 0; h < found.head_count; ++h) {

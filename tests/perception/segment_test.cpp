@@ -101,6 +101,25 @@ TEST(Segment, MaskFollowsThePersonDownToTheFloor) {
   EXPECT_LT(lowest, 15);
 }
 
+// The head is lower than a seated adult's, and larger for the body; legs are thinner than any adult's.
+TEST(Segment, AChildOfAMetreIsFound) {
+  constexpr float kScale = 0.59F, kHeadScale = 0.85F, kZ = 2400;
+  std::vector<room_test::Capsule> child = room_test::person_at(0, kZ);
+  for (room_test::Capsule& c : child) {
+    c.radius *= &c < child.data() + 2 ? kHeadScale : kScale;  // head and neck
+    for (Vec3f* p : {&c.a, &c.b}) *p = {p->x * kScale, p->y * kScale, kZ + (p->z - kZ) * kScale};
+  }
+  Scene s;
+  s.camera_height = 1000;
+  s.wall_z = 3400;
+  room_test::add(s, child);
+  const Picture p = render(s, kKinectNoise);
+  const Answer a = segment(p, s.intrinsics());
+  ASSERT_TRUE(a.person.found);
+  EXPECT_EQ(a.person.people_count, 1);
+  EXPECT_GT(overlap(a, p, 1), 0.9);
+}
+
 TEST(Segment, BoxCountAndCentroidDescribeTheMask) {
   const Scene s = standing();
   const Picture p = render(s);

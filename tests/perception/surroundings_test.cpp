@@ -170,6 +170,26 @@ TEST(Ground, UnderFeetOnAPlatformIsThePlatform) {
   }
 }
 
+// A mask that goes down the platform's front has its lowest points 350 mm ahead of the feet.
+TEST(Ground, OfAPlatformWhoseFrontIsTakenForFeetIsThePlatform) {
+  constexpr float kHeight = 180;
+  Shown shown(standing_room(kHeight));
+  for (int v = 0; v < shown.k.height; ++v)
+    for (int u = 0; u < shown.k.width; ++u) {
+      const float z = static_cast<float>(shown.depth[shown.at(u, v)]);
+      const Vec3f p = {shown.ray_x(u) * z, shown.ray_y(v) * z, z};
+      const float height = dot(shown.person.floor.up, p) + shown.person.floor.camera_height_mm;
+      if (z > 0 && z < 2250 && height > 10 && height < kHeight - 10) shown.mask[shown.at(u, v)] = 255;
+    }
+  shown.box();
+  const SurroundingsSigns signs = shown.signs();
+  ASSERT_TRUE(signs.ground_known);
+  EXPECT_NEAR(signs.ground_mm, kHeight, 4);
+  EXPECT_GT(signs.ground_share, 0.6F);
+  EXPECT_LT(signs.floor_share, 0.2F);
+  EXPECT_FALSE(signs.feet_known) << "no toes are seen there";
+}
+
 TEST(Crown, ThatIsSeenIsADome) {
   const Shown shown(standing_room());
   EXPECT_LT(shown.flatness(), 0.8F);
