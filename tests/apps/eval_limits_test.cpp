@@ -82,14 +82,18 @@ TEST(EvalLimits, EverySituationIsRefusedByNameOrRight) {
 }
 
 TEST(EvalLimits, WrongWordsExitWithTwoAndOneLine) {
-  for (const Words& words : {Words{"--situations", "upside-down"},
-                             {"--subjects", "0"},
-                             {"--family", "twins"},
-                             {"--family", "other", "--situations", "heels"}}) {
+  for (const Words& words : {Words{"--situations", "upside-down"}, {"--subjects", "0"}, {"--family", "twins"}}) {
     const test::Run run = eval_limits(words);
     EXPECT_EQ(run.exit_code, 2) << words.back();
     EXPECT_TRUE(test::is_one_line_of(run.err, "im2fit-lab")) << run.err;
   }
+}
+
+TEST(EvalLimits, SituationsThatAFamilyCannotShowAreRefusedByName) {
+  const test::Run run = eval_limits({"--family", "other", "--situations", "heels"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_TRUE(test::is_one_line_of(run.err, "im2fit-lab")) << run.err;
+  EXPECT_THAT(run.err, testing::HasSubstr("cannot be shown in the situation heels; choose another family"));
 }
 
 TEST(EvalLimits, PicturesAreWrittenOfThoseAskedFor) {
