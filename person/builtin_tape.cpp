@@ -13,6 +13,7 @@ using body::TapeSide;
 using Side = body::PointRef::Side;
 using Kind = body::TapePoint::Kind;
 using Toward = body::TapePoint::Toward;
+using std::string_view_literals::operator""sv;
 
 // As TapePoint and TapeDefinition, in the order of their fields, with nothing to construct before main().
 struct PointRow {
@@ -30,9 +31,9 @@ struct PointRow {
 };
 // In the order of the definition's fields, whatever that costs in padding.
 struct DefinitionRow {  // NOLINT(clang-analyzer-optin.performance.Padding)
-  std::string_view id;
-  std::array<std::string_view, body::kTapeLanguages.size()> names;
-  std::string_view iso_8559, iso_7250, astm_d5219, source, reason;
+  // id, names, iso_8559, iso_7250, astm_d5219, source and reason, each with a zero behind it. A pointer costs the
+  // shared library 32 bytes and more where it is loaded anywhere: one for a row, not eleven.
+  std::string_view texts;
   TapeKind kind;
   Measurement value;
   std::size_t point_count;
@@ -51,15 +52,24 @@ body::TapePoint point_of(const PointRow& row) {
           row.level,           row.a,    row.b,      row.share,  row.by,      row.toward};
 }
 
+// Takes the first text off a row's.
+std::string next_text(std::string_view& texts) {
+  const std::size_t end = texts.find('\0');
+  std::string text(texts.substr(0, end));
+  texts.remove_prefix(end + 1);
+  return text;
+}
+
 body::TapeDefinition definition_of(const DefinitionRow& row) {
   body::TapeDefinition d;
-  d.id = row.id;
-  for (std::size_t i = 0; i < row.names.size(); ++i) d.names[i] = row.names[i];
-  d.iso_8559 = row.iso_8559;
-  d.iso_7250 = row.iso_7250;
-  d.astm_d5219 = row.astm_d5219;
-  d.source = row.source;
-  d.reason = row.reason;
+  std::string_view texts = row.texts;
+  d.id = next_text(texts);
+  for (auto& name : d.names) name = next_text(texts);
+  d.iso_8559 = next_text(texts);
+  d.iso_7250 = next_text(texts);
+  d.astm_d5219 = next_text(texts);
+  d.source = next_text(texts);
+  d.reason = next_text(texts);
   d.kind = row.kind;
   d.value = row.value;
   d.points.assign(row.points.begin(), row.points.begin() + static_cast<std::ptrdiff_t>(row.point_count));

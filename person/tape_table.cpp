@@ -42,13 +42,16 @@ std::string point_row(const TapePoint& p) {
          "}, Toward::" + std::string(kTowards[static_cast<std::size_t>(p.toward)]) + "},\n";
 }
 
+constexpr const char* kZero = " \"\\0\"";
+
 std::string definition_row(const TapeDefinition& d) {
-  std::string row = "    {" + quoted_literal(d.id) + ", {";
-  for (std::size_t i = 0; i < d.names.size(); ++i) row += (i > 0 ? ", " : "") + quoted_literal(d.names[i]);
-  row += "},\n     " + quoted_literal(d.iso_8559) + ", " + quoted_literal(d.iso_7250) + ", " +
-         quoted_literal(d.astm_d5219) + ",\n     " + quoted_literal(d.source) + ", " + quoted_literal(d.reason) +
-         ",\n     TapeKind::" + std::string(name_of(d.kind)) + ", " + measurement(d.value) + ", " +
-         std::to_string(d.points.size()) + ", {{";
+  // All texts in one literal, each with a zero behind it.
+  std::string row = "    {" + quoted_literal(d.id) + kZero;
+  for (const std::string& name : d.names) row += " " + quoted_literal(name) + kZero;
+  row += "\n     " + quoted_literal(d.iso_8559) + kZero + " " + quoted_literal(d.iso_7250) + kZero + " " +
+         quoted_literal(d.astm_d5219) + kZero + "\n     " + quoted_literal(d.source) + kZero + " " +
+         quoted_literal(d.reason) + kZero + "sv,\n     TapeKind::" + std::string(name_of(d.kind)) + ", " +
+         measurement(d.value) + ", " + std::to_string(d.points.size()) + ", {{";
   for (std::size_t i = 0; i < d.points.size(); ++i) row += (i > 0 ? ", " : "") + reference(d.points[i]);
   row += "}}, TapePlane::" + std::string(name_of(d.plane)) + ", TapeSearch::" + std::string(name_of(d.search)) +
          ", " + float_literal(d.share) + ", " + float_literal(d.search_from) + ", " + float_literal(d.search_to) +

@@ -39,6 +39,10 @@ android_runtime() {
     armeabi-v7a) arch=armel musl=arm-linux-musleabi linux=arm-linux-gnueabi target=armv7a-linux-androideabi24
       builtins=libgcc-12-dev
       own="-mthumb -mfpu=neon" ;;
+    # Floats of 128 bits, which Android's long doubles are there, are in GCC's alone.
+    x86_64) arch=amd64 musl=x86_64-linux-musl linux=x86_64-linux-gnu target=x86_64-linux-android24
+      builtins=libgcc-12-dev
+      own= ;;
     *) echo "no ABI '$abi'" >&2; return 1 ;;
   esac
   packages="musl musl-dev linux-libc-dev $builtins nlohmann-json3-dev"
@@ -67,12 +71,14 @@ android_runtime() {
     cp "$gcc/libgcc.a" "$into/lib/builtins.a" && llvm-ar-14 p "$gcc/libgcc_eh.a" emutls.o > "$into/objects/emutls.o" &&
       llvm-objcopy-14 --redefine-sym __pthread_key_create=pthread_key_create "$into/objects/emutls.o" &&
       llvm-ar-14 q "$into/lib/builtins.a" "$into/objects/emutls.o" && rm "$into/objects/emutls.o" || return 1
+  else
+    cp "$into"/unpacked/usr/lib/llvm-14/lib/clang/*/lib/linux/libclang_rt.builtins-a*.a "$into/lib/builtins.a" || return 1
+  fi
+  if [ $abi = armeabi-v7a ]; then
     # bionic's time_t has 32 bits there, musl's 64, under other names of the functions: these headers do as bionic. musl's
     # library has the functions of 32 bits under the names without a suffix.
     sed -i -e '/_REDIR_TIME64/d' -e 's/^typedef _Int64 \(time_t\|suseconds_t\);/typedef long \1;/' \
       "$into/unpacked/usr/include/$musl/bits/alltypes.h" || return 1
-  else
-    cp "$into"/unpacked/usr/lib/llvm-14/lib/clang/*/lib/linux/libclang_rt.builtins-a*.a "$into/lib/builtins.a" || return 1
   fi
   # Its libc.so is its loader, which programs are run with.
   cp "$into/unpacked/lib/$musl/libc.so" "$into/musl/" || return 1

@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""make_wheel.py LIBRARY OUT: the wheel of this package with libim2fit.so inside, into the directory OUT. No other tool is
-needed; the same files give the same bytes."""
+"""make_wheel.py LIBRARY OUT [NEEDED LICENCE]...: the wheel of this package with libim2fit.so inside, into the directory OUT, and
+with libraries that it needs and other systems may lack, and their licences. No other tool is needed; the same files give the same bytes.
+
+The tag says on which systems it runs: manylinux_2_X for glibc 2.X and newer, by the versions of the names that the
+libraries ask for, where they need nothing else but what those systems all have (PEP 600)."""
 
 import base64
 import hashlib
@@ -15,6 +18,29 @@ ROOT = HERE.parent.parent
 MACHINES = {62: "x86_64", 183: "aarch64", 40: "armv7l"}  # e_machine of ELF
 
 
+# What every system of a manylinux tag has, of that which our libraries may need; and its versions, oldest first.
+EVERYWHERE = {"libc.so.6", "libm.so.6", "libpthread.so.0", "libdl.so.2", "librt.so.1", "libgcc_s.so.1", "libstdc++.so.6",
+              "ld-linux-x86-64.so.2", "ld-linux-aarch64.so.1"}
+POLICIES = [("2_28", {"GLIBC": (2, 28), "GLIBCXX": (3, 4, 25), "CXXABI": (1, 3, 11), "GCC": (7, 0, 0)}),
+            ("2_34", {"GLIBC": (2, 34), "GLIBCXX": (3, 4, 29), "CXXABI": (1, 3, 13), "GCC": (7, 0, 0)}),
+            ("2_35", {"GLIBC": (2, 35), "GLIBCXX": (3, 4, 30), "CXXABI": (1, 3, 13), "GCC": (12, 0, 0)})]
+
+
+def tag_of(libraries):
+    """The platform's part of the wheel's tag, for libraries by their names (DT_SONAME)."""
+    text = b"".join(libraries.values())
+    machine = machine_of(next(iter(libraries.values())))
+    needed = {name.decode() for name in re.findall(rb"(?<=\0)((?:lib[\w+-]+|ld-linux[\w-]*)\.so\.\d+)(?=\0)", text)}
+    versions = {}
+    for kind, number in re.findall(rb"(?<=\0)(GLIBC|GLIBCXX|CXXABI|GCC)_(\d+(?:\.\d+)+)(?=\0)", text):
+        versions.setdefault(kind.decode(), set()).add(tuple(map(int, number.split(b"."))))
+    if needed <= EVERYWHERE | set(libraries):
+        for name, most in POLICIES:
+            if all(max(found) <= most[kind] for kind, found in versions.items()):
+                return f"manylinux_{name}_{machine}"
+    return f"linux_{machine}"
+
+
 def machine_of(library):
     if library[:4] != b"\x7fELF":
         sys.exit("make_wheel: the library is no ELF file")
@@ -22,15 +48,18 @@ def machine_of(library):
     return MACHINES.get(number) or sys.exit(f"make_wheel: the library is for machine {number}")
 
 
-def main(library_path, out):
-    library = pathlib.Path(library_path).read_bytes()
+def main(library_path, out, *needed):
+    libraries = {"libim2fit.so.0": pathlib.Path(library_path).read_bytes()}
+    libraries.update((pathlib.Path(path).name, pathlib.Path(path).read_bytes()) for path in needed[::2])
     version = re.search(r"^project\(im2fit VERSION ([\d.]+)", (ROOT / "CMakeLists.txt").read_text(), re.M).group(1)
-    tag, info = f"py3-none-linux_{machine_of(library)}", f"im2fit-{version}.dist-info"
+    tag, info = f"py3-none-{tag_of(libraries)}", f"im2fit-{version}.dist-info"
     files = {f"im2fit/{path.name}": path.read_bytes() for path in sorted((HERE / "im2fit").glob("*.py"))}
     files["im2fit/py.typed"] = b""  # type checkers read the annotations
-    files["im2fit/libim2fit.so.0"] = library
+    files.update((f"im2fit/{name}", library) for name, library in libraries.items())
     files[f"{info}/licenses/LICENSE"] = (ROOT / "LICENSE").read_bytes()
     files[f"{info}/licenses/NOTICE"] = (ROOT / "NOTICE").read_bytes()
+    files.update((f"{info}/licenses/{pathlib.Path(path).name}", pathlib.Path(licence).read_bytes())
+                 for path, licence in zip(needed[::2], needed[1::2]))
     files[f"{info}/METADATA"] = (
         f"Metadata-Version: 2.1\nName: im2fit\nVersion: {version}\nSummary: Body measurements from a depth camera\n"
         "License: Apache-2.0\nRequires-Python: >=3.9\nRequires-Dist: numpy>=1.20\nClassifier: Typing :: Typed\n"
@@ -52,6 +81,6 @@ def main(library_path, out):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 3:
+    if len(sys.argv) < 3 or len(sys.argv) % 2 == 0:
         sys.exit(__doc__)
     main(*sys.argv[1:])

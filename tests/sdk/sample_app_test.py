@@ -32,7 +32,7 @@ class Android(unittest.TestCase):
 
     def test_the_pack_is_stored_and_named_alike(self):
         self.assertIn('noCompress += "i2p"', (APP / "app/build.gradle.kts").read_text())
-        self.assertIn('openFd("im2fit-models.i2p")', KOTLIN["MainActivity.kt"])
+        self.assertIn('ofAssets(assets, "im2fit-models.i2p"', KOTLIN["MainActivity.kt"])
         self.assertIn("assets/im2fit-models.i2p", (APP / "README.md").read_text())
 
     def test_the_manifest_takes_the_camera_and_no_network(self):
@@ -78,18 +78,25 @@ class Swift(unittest.TestCase):
         for name in calls:
             self.assertRegex(SWIFT, rf"public (func|let|var) {name}\b", name)
         types = set(re.findall(r"\b(Fit[A-Z]\w+|CameraModel|CameraPose|Intrinsics|Mask|Outcome|Estimate|Turn|DepthSensor)\b", code))
-        self.assertTrue({"FitSession", "FitSettings", "CameraModel"} <= types, types)
+        self.assertTrue({"FitSession", "FitSettings", "FitProgress"} <= types, types)
         for name in types:
             self.assertRegex(SWIFT, rf"public (final class|struct|enum) {name}\b", name)
         for label in re.findall(r"settings\.(\w+) =", code):
             self.assertRegex(SWIFT, rf"public var {label}\b", label)
-        push = re.search(r"public func push\((.*?)\) throws", SWIFT, re.S).group(1)
-        given = re.search(r"session\.push\((.*?)\n\s*\)", code, re.S).group(1)
-        for label in re.findall(r"(?:^|,)\s*(\w+):", given):
-            self.assertRegex(push, rf"\b{label}:", label)
+        # Every call of push and of the initializer has the labels of one declaration.
+        for name, declaration in (("session.push", r"public func push\(([^{}]*?)\) throws"),
+                                  ("FitSession", r"init\??\(([^{}]*?)\) throws")):
+            declared = [set(re.findall(r"(?:^|,)\s*(\w+)", text)) for text in re.findall(declaration, SWIFT, re.S)]
+            calls = re.findall(re.escape(name) + r"\(((?:[^()]|\([^()]*\))*)\)", code)
+            self.assertTrue(calls, name)
+            for call in calls:
+                given = {label if label else "_" for label in
+                         re.findall(r"(?:^|,)\s*(?:(\w+):)?", re.sub(r"\([^()]*\)", "", call))}
+                self.assertTrue(any(given <= labels for labels in declared), f"{name}({call})")
 
     def test_every_bracket_closes(self):
-        for name, text in SWIFT_APP.items():
+        package = {path.name: path.read_text() for path in (ROOT / "sdk/swift/Sources/Im2fit").glob("*.swift")}
+        for name, text in {**SWIFT_APP, **package}.items():
             code = re.sub(r'"(\\.|[^"\\\n])*"|//[^\n]*', "", text)
             for left, right in ("()", "{}", "[]"):
                 self.assertEqual(code.count(left), code.count(right), f"{name}: {left}{right}")

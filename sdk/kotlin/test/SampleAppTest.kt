@@ -14,12 +14,12 @@ import java.nio.ByteBuffer
 import java.nio.ByteOrder
 
 /** A frame of a clip as DEPTH16: millimetres below 8.19 m are their own code, with full confidence. */
-class ClipImage(private val depth: ShortArray, private val width: Int, private val number: Int) : Image() {
+class ClipImage(private val depth: ShortArray, private val wide: Int, private val number: Int) : Image() {
     override fun getPlanes(): Array<Plane> = arrayOf(object : Plane() {
         override fun getBuffer(): ByteBuffer = ByteBuffer.allocateDirect(2 * depth.size).order(ByteOrder.nativeOrder()).also {
             it.asShortBuffer().put(depth)
         }
-        override fun getRowStride() = 2 * width
+        override fun getRowStride() = 2 * wide
     })
     override fun getTimestamp() = number * 1_000_000_000L / 30 + 1
     override fun close() = Unit

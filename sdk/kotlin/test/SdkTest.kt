@@ -372,6 +372,7 @@ fun main(arguments: Array<String>) {
         fails<IllegalStateException> { session.push(clip.frames().first()) }
     }
     feederTests(models)
+    arCoreTests(models, clip)
     sampleAppTests(models, clip)
     test("two hundred sessions") {
         repeat(200) { FitSession(clip.camera, models, quick.copy(singleThread = true)).close() }

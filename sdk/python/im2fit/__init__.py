@@ -342,12 +342,14 @@ class Session:
 
     def push(self, depth: npt.NDArray[np.uint16] | npt.NDArray[np.float32], time_ns: int | None = None,
              sequence: int | None = None, confidence: npt.NDArray[np.uint8] | None = None, confidence_min: int = 0,
-             pose: npt.ArrayLike | None = None, down: Sequence[float] | None = None) -> Guidance:
+             pose: npt.ArrayLike | None = None, down: Sequence[float] | None = None,
+             intrinsics: Sequence[float] | None = None) -> Guidance:
         """Processes one frame. Returns the Guidance.
 
         `depth`: height x width, uint16 millimetres or float32 metres (NaN or 0: no data). `confidence`: uint8 of the same
         shape; pixels below `confidence_min` count as no data. `down`: the direction of gravity in the axes of the frame, of any
-        length; without it, the latest known direction is used.
+        length; without it, the latest known direction is used. `intrinsics`: fx, fy, cx, cy of this frame, where they change with
+        focus; without them, those of the session.
 
         `pose`: pose of a hand-held camera, from the axes of the frame (x right, y down, z forward) to static axes. It is a 4x4
         matrix with the position in metres, as in Open3D, ROS and ARKit. ARKit and OpenGL have y up and z backwards: pass
@@ -362,7 +364,7 @@ class Session:
         frame.pixels, frame.format = depth.ctypes.data, _c.FORMAT_U16 if depth.dtype == np.uint16 else _c.FORMAT_F32
         frame.height, frame.width = depth.shape
         frame.rotate_deg = self._rotate_deg
-        frame.fx, frame.fy, frame.cx, frame.cy = self._intrinsics
+        frame.fx, frame.fy, frame.cx, frame.cy = self._intrinsics if intrinsics is None else map(float, intrinsics)
         frame.k1, frame.k2, frame.p1, frame.p2, frame.k3 = self._lens
         if confidence is not None:
             confidence = np.ascontiguousarray(confidence, np.uint8)

@@ -135,6 +135,11 @@ def load(path: str | None = None) -> c.CDLL:
     beside = pathlib.Path(__file__).with_name("libim2fit.so.0")
     name = path or os.environ.get("IM2FIT_LIBRARY") or (str(beside) if beside.exists() else "libim2fit.so.0")
     try:
+        if name == str(beside):
+            # What the wheel brings for it: loaded first, it is found by its name.
+            for needed in sorted(beside.parent.glob("lib*.so.*")):
+                if needed != beside:
+                    c.CDLL(str(needed))
         lib = c.CDLL(name)
     except OSError as error:
         raise OSError(f"{error}; install libim2fit0 or the wheel, or set IM2FIT_LIBRARY to libim2fit.so") from None

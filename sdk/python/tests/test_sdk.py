@@ -15,14 +15,17 @@ import shutil
 import struct
 import subprocess
 import sys
+import sysconfig
 import tempfile
 import unittest
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, os.environ.get("IM2FIT_PYTHON", str(HERE.parent)))
+sys.path.append(str(HERE.parent))
 import numpy as np  # noqa: E402
 
 import im2fit  # noqa: E402
+import make_wheel  # noqa: E402
 from im2fit import _c, _camera, _folder  # noqa: E402
 
 GOLDEN = pathlib.Path(os.environ.get("IM2FIT_GOLDEN", HERE.parents[2] / "tests/golden/data"))
@@ -492,6 +495,17 @@ class Measuring(unittest.TestCase):
                 if kept:
                     sys.modules[module] = kept
 
+    def test_intrinsics_of_a_frame_replace_those_of_the_session(self):
+        folder = im2fit.read_folder(GOLDEN / "clip")
+        camera = vars(folder.camera)
+        own, people = (camera["fx"], camera["fy"], camera["cx"], camera["cy"]), []
+        for opened, given in ((camera, None), ({**camera, "fx": 1.2 * own[0], "fy": 1.2 * own[1]}, own)):
+            with im2fit.Session(**opened, models=models(), **FRAMES) as session:
+                for frame in folder:
+                    session.push(frame.depth, frame.time_ns, frame.sequence, intrinsics=given)
+                people.append(session.finish().measurements)
+        self.assertEqual(people[0], people[1])
+
     def test_metres_are_millimetres_and_the_mesh_is_the_person(self):
         camera = _folder.read_camera(GOLDEN / "clip/camera.yaml")
         texts = []
@@ -668,6 +682,24 @@ class Typed(unittest.TestCase):
             self.assertEqual(done.stdout.count("error:"), 4, done.stdout)
 
 
+class WheelTag(unittest.TestCase):
+    def tag(self, *names, extra=()):
+        elf = bytearray(b"\x7fELF" + bytes(60))
+        elf[18:20] = (62).to_bytes(2, "little")
+        library = bytes(elf) + b"\0" + b"".join(name.encode() + b"\0" for name in names)
+        return make_wheel.tag_of({"libim2fit.so.0": library, **dict.fromkeys(extra, library)})
+
+    def test_the_oldest_system_that_has_all(self):
+        self.assertEqual(self.tag("libc.so.6", "GLIBC_2.2.5", "GLIBC_2.14"), "manylinux_2_28_x86_64")
+        self.assertEqual(self.tag("libc.so.6", "GLIBC_2.33", "GLIBCXX_3.4.21"), "manylinux_2_34_x86_64")
+        self.assertEqual(self.tag("libstdc++.so.6", "GLIBC_2.14", "GLIBCXX_3.4.30"), "manylinux_2_35_x86_64")
+
+    def test_what_not_every_system_has(self):
+        self.assertEqual(self.tag("GLIBC_2.38"), "linux_x86_64")
+        self.assertEqual(self.tag("libzstd.so.1", "GLIBC_2.14"), "linux_x86_64")
+        self.assertEqual(self.tag("libzstd.so.1", "GLIBC_2.14", extra=("libzstd.so.1",)), "manylinux_2_28_x86_64")
+
+
 @unittest.skipUnless(has("ensurepip"), "no ensurepip (scripts/deps test)")
 class Wheel(unittest.TestCase):
     def test_the_readme_installs_it(self):
@@ -675,9 +707,12 @@ class Wheel(unittest.TestCase):
         [line] = re.findall(r"^    (python3 -m venv .*)$", (HERE.parent / "README.md").read_text(), re.M)
         library = os.environ.get("IM2FIT_LIBRARY")
         self.assertTrue(library, "IM2FIT_LIBRARY names no library")
+        zstd = pathlib.Path(f"/lib/{sysconfig.get_config_var('MULTIARCH')}/libzstd.so.1")
+        brings = [zstd, "/usr/share/doc/libzstd1/copyright"] if b"libzstd.so.1" in pathlib.Path(library).read_bytes() else []
         with tempfile.TemporaryDirectory() as folder:
-            subprocess.run([sys.executable, HERE.parent / "make_wheel.py", library, f"{folder}/build/packages"], check=True,
-                           stdout=subprocess.DEVNULL)
+            made = subprocess.run([sys.executable, HERE.parent / "make_wheel.py", library, f"{folder}/build/packages", *brings],
+                                  check=True, capture_output=True, text=True).stdout
+            self.assertRegex(made, r"-py3-none-manylinux_2_\d+_\w+\.whl\n$")
             nowhere = "http://127.0.0.1:9"
             environment = {"PATH": "/usr/bin:/bin", "HOME": folder, "LC_ALL": "C.UTF-8", "http_proxy": nowhere,
                            "https_proxy": nowhere, "PIP_RETRIES": "0"}
@@ -690,6 +725,11 @@ class Wheel(unittest.TestCase):
                                    text=True).stdout.split()
             self.assertTrue(found[0].startswith(folder), found)
             self.assertEqual(found[1:], [im2fit.__version__] * 3 + ["True"])
+            script = "import im2fit; im2fit.version(); print(open('/proc/self/maps').read())"
+            maps = subprocess.run([python, "-c", script], cwd=folder, env=environment, check=True, capture_output=True,
+                                  text=True).stdout
+            for name in ["libim2fit.so.0", "libzstd.so.1"][:1 + len(brings)]:
+                self.assertIn(f"{found[0]}/{name}\n", maps + "\n")
             if BODY:
                 place = pathlib.Path(folder) / "models"
                 place.mkdir()

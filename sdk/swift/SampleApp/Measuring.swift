@@ -5,7 +5,6 @@ import ARKit
 import AVFoundation
 import Foundation
 import Im2fit
-import simd
 
 /// What the screen shows.
 enum Step {
@@ -114,11 +113,12 @@ final class Measuring: NSObject, ObservableObject, ARSessionDelegate {
     // On the queue from here on.
 
     func session(_ camera: ARSession, didUpdate frame: ARFrame) {
-        guard visit > 0, let depth = frame.sceneDepth else { return }
+        guard visit > 0 else { return }
         do {
-            let session = try self.session ?? open(frame, depth)
+            guard let session = try self.session ?? open(frame) else { return }
             self.session = session
-            try push(frame, depth, to: session)
+            guard try session.push(frame, sequence: sequence) else { return }
+            sequence += 1
             let progress = try session.progress()
             if progress.state == "MEASURED" {
                 conclude(session, visit)
@@ -133,44 +133,11 @@ final class Measuring: NSObject, ObservableObject, ARSessionDelegate {
 
     func session(_ camera: ARSession, didFailWithError error: Error) { fail(error, visit) }
 
-    /// ARKit's depth lies on its side: a quarter turn makes it upright. Its intrinsics are the colour picture's.
-    private func open(_ frame: ARFrame, _ depth: ARDepthData) throws -> FitSession {
-        let width = CVPixelBufferGetWidth(depth.depthMap)
-        let height = CVPixelBufferGetHeight(depth.depthMap)
-        let k = intrinsics(frame, width)
+    private func open(_ frame: ARFrame) throws -> FitSession? {
         var settings = FitSettings()
         settings.turn = wantsTurn ? .around : .none
         settings.sensor = .timeOfFlight
-        let upright = CameraModel(width: Int32(height), height: Int32(width), fx: k.fy, fy: k.fx,
-                                  cx: Float(height - 1) - k.cy, cy: k.cx)
-        return try FitSession(camera: upright, pack: pack, settings: settings)
-    }
-
-    private func intrinsics(_ frame: ARFrame, _ width: Int) -> Intrinsics {
-        let k = frame.camera.intrinsics
-        return Intrinsics(fx: k[0][0], fy: k[1][1], cx: k[2][0], cy: k[2][1])
-            .scaled(fromWidth: Int(frame.camera.imageResolution.width), toWidth: width)
-    }
-
-    private func push(_ frame: ARFrame, _ depth: ARDepthData, to session: FitSession) throws {
-        CVPixelBufferLockBaseAddress(depth.depthMap, .readOnly)
-        defer { CVPixelBufferUnlockBaseAddress(depth.depthMap, .readOnly) }
-        if let sure = depth.confidenceMap { CVPixelBufferLockBaseAddress(sure, .readOnly) }
-        defer { if let sure = depth.confidenceMap { CVPixelBufferUnlockBaseAddress(sure, .readOnly) } }
-        let width = CVPixelBufferGetWidth(depth.depthMap)
-        let place = frame.camera.transform
-        try session.push(
-            metres: CVPixelBufferGetBaseAddress(depth.depthMap)!.assumingMemoryBound(to: Float.self),
-            width: Int32(width), height: Int32(CVPixelBufferGetHeight(depth.depthMap)),
-            rowBytes: CVPixelBufferGetBytesPerRow(depth.depthMap), rotateDeg: 90,
-            timeNs: Int64(frame.timestamp * 1e9), sequence: sequence,
-            pose: CameraPose(arkit: simd_quatf(place).vector,
-                             metres: SIMD3(place.columns.3.x, place.columns.3.y, place.columns.3.z)),
-            confidence: depth.confidenceMap.flatMap { CVPixelBufferGetBaseAddress($0)?.assumingMemoryBound(to: UInt8.self) },
-            confidenceRowBytes: depth.confidenceMap.map { CVPixelBufferGetBytesPerRow($0) } ?? 0,
-            confidenceMin: 1, intrinsics: intrinsics(frame, width)
-        )
-        sequence += 1
+        return try FitSession(frame, pack: pack, settings: settings)
     }
 
     private func conclude(_ session: FitSession, _ mine: Int) {

@@ -15,7 +15,7 @@ android {
         versionCode = 1
         versionName = "1.0.0"
         ndk {
-            abiFilters += listOf("arm64-v8a", "armeabi-v7a")
+            abiFilters += listOf("arm64-v8a", "armeabi-v7a", "x86_64")
         }
     }
     buildFeatures {
@@ -24,7 +24,7 @@ android {
     androidResources {
         noCompress += "i2p"   // the pack is read where it lies in the APK
     }
-    sourceSets["main"].kotlin.srcDir("../../android/sample")   // DepthFeeder
+    sourceSets["main"].kotlin.srcDir("../../android/sample")   // DepthFeeder, Models.ofAssets
     compileOptions {
         sourceCompatibility = JavaVersion.VERSION_17
         targetCompatibility = JavaVersion.VERSION_17

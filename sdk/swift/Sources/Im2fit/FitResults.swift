@@ -7,7 +7,7 @@ import Foundation
 public func im2fitVersion() -> String { FitSession.text(im2fit_version()) }
 
 /// Numbers of IM2FIT_SEX_...
-public enum Sex: Int32 {
+public enum Sex: Int32, Sendable {
     case unknown = 0
     case woman = 1
     case man = 2
@@ -15,7 +15,7 @@ public enum Sex: Int32 {
 
 /// Facts that the person reports. They are used together with the frames. 0: not known. A standard deviation of 0 means that of
 /// reported facts; for a weight from a scale, set 0.7.
-public struct Known: Equatable {
+public struct Known: Equatable, Sendable {
     public var statureMm, statureSdMm: Float
     public var weightKg, weightSdKg: Float
     public var ageYears, ageSdYears: Float  // add 0.5 to completed years
@@ -28,32 +28,32 @@ public struct Known: Equatable {
 }
 
 /// A smoothed joint of the latest frame, for display: mm in the camera's axes of the upright picture.
-public struct Joint: Equatable {
+public struct Joint: Equatable, Sendable {
     public let name: String        // "HE", "LS", ...: the person's own left and right
     public let position: SIMD3<Float>
     public let confidence: Float   // 0..1; below 0.25: inferred, not visible
 }
 
 /// A clothing size and its probability.
-public struct SizeProbability: Equatable {
+public struct SizeProbability: Equatable, Sendable {
     public let name: String
     public let probability: Float
 }
 
 /// A definition of the tape (docs/tape.md).
-public struct TapeDefinition: Equatable {
+public struct TapeDefinition: Equatable, Sendable {
     public let id, name, unit: String
     public let iso: String         // clause of ISO 8559-1:2017, or ""
 }
 
 /// The value of a definition of the tape for the person.
-public enum TapeValue: Equatable {
+public enum TapeValue: Equatable, Sendable {
     case measured(Estimate)
     case refused(reason: String)
 }
 
 /// The reason why no person is found in a frame.
-public struct Diagnosis: Equatable {
+public struct Diagnosis: Equatable, Sendable {
     public let code: String        // "UNIT"; "" where nothing is wrong
     public let text: String        // what it looks like and what to do, in English
     public let unitMm: Float       // of UNIT and PLAYER_BITS: millimetres per unit; 0: not known
@@ -61,18 +61,18 @@ public struct Diagnosis: Equatable {
 }
 
 /// A mesh in mm, the soles on y = 0.
-public struct Mesh: Equatable {
+public struct Mesh: Equatable, Sendable {
     public let vertices: [Float]   // x y z of each
     public let triangles: [Int32]  // three vertex indices each
 }
 
 /// A garment (docs/garments.md): "t_shirt", "T-shirt".
-public struct Garment: Equatable {
+public struct Garment: Equatable, Sendable {
     public let id, name: String
 }
 
 /// A node that a `Rig` moves; `parent`: its index in `rigNodes()`, -1 for the first.
-public struct RigNode: Equatable {
+public struct RigNode: Equatable, Sendable {
     public let name: String
     public let parent: Int32
 }

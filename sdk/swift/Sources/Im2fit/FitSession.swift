@@ -9,13 +9,13 @@ public struct Im2fitError: Error, CustomStringConvertible {
 }
 
 /// A value with its 95 % interval: mm; weight: kg.
-public struct Estimate: Equatable {
+public struct Estimate: Equatable, Sendable {
     public let value, low, high: Float
 }
 
 /// Lens distortion, which the library corrects: the Brown-Conrady model of OpenCV, radial k1 to k3, tangential p1 and p2.
 /// ARKit's depth has none.
-public struct Lens: Equatable {
+public struct Lens: Equatable, Sendable {
     public var k1, k2, k3, p1, p2: Float
     public init(k1: Float = 0, k2: Float = 0, k3: Float = 0, p1: Float = 0, p2: Float = 0) {
         (self.k1, self.k2, self.k3, self.p1, self.p2) = (k1, k2, k3, p1, p2)
@@ -23,7 +23,7 @@ public struct Lens: Equatable {
 }
 
 /// The depth camera, in pixels of the upright picture. The centre of pixel 0 is 0.
-public struct CameraModel {
+public struct CameraModel: Sendable {
     public var width, height: Int32
     public var fx, fy, cx, cy: Float
     public init(width: Int32, height: Int32, fx: Float, fy: Float, cx: Float, cy: Float) {
@@ -32,7 +32,7 @@ public struct CameraModel {
 }
 
 /// The progress after the latest processed frame. Names are those of im2fit.h: "TRACKING", "ARMS_CLOSE".
-public struct FitProgress: Equatable {
+public struct FitProgress: Equatable, Sendable {
     public let state: String
     public let guidance: [String]
     public let view: String          // the side of the person that faces the camera: "front", "back", "side", "unknown"
@@ -43,7 +43,7 @@ public struct FitProgress: Equatable {
 }
 
 /// The mask of the person in a frame: rows from the top of the upright picture, 255 the person, 0 everything else.
-public struct Mask: Equatable {
+public struct Mask: Equatable, Sendable {
     public let width, height: Int
     public let pixels: [UInt8]
     public let userId: Int32     // 0: no person is in view, and the mask is empty
@@ -59,7 +59,7 @@ public func guidanceText(_ code: String, language: String = "en") -> String? {
 }
 
 /// What is measured in addition to the front. Numbers of IM2FIT_TURN_...
-public enum Turn: Int32 {
+public enum Turn: Int32, Sendable {
     case none = 0    // nothing
     case back = 1    // the back, once the person has turned it to the camera
     case around = 2  // all round: one slow turn on the spot; needs a body
@@ -67,14 +67,14 @@ public enum Turn: Int32 {
 }
 
 /// What the person wears. Numbers of IM2FIT_CLOTHING_...
-public enum Clothing: Int32 {
+public enum Clothing: Int32, Sendable {
     case estimated = 0  // from the frames, given a body
     case bare = 1       // underwear or close-fitting sportswear
     case dressed = 2    // the body underneath is measured, with wider intervals
 }
 
 /// How the camera senses depth. Numbers of IM2FIT_SENSOR_...
-public enum DepthSensor: Int32 {
+public enum DepthSensor: Int32, Sendable {
     case judged = 0     // from the frames
     case structuredLight = 1
     case timeOfFlight = 2
@@ -82,7 +82,7 @@ public enum DepthSensor: Int32 {
 }
 
 /// Settings of a session. The defaults are those of the library, except `live`.
-public struct FitSettings: Equatable {
+public struct FitSettings: Equatable, Sendable {
     public var framesWanted: Int32 = 30  // accepted frames until the measurement, 1..1000; with Turn.back for each side
     public var framesMin: Int32 = 5      // fewest accepted frames for `finish()` to measure
     public var live = true               // true: the oldest frame is dropped when the library is behind; false: `push` waits
@@ -94,7 +94,7 @@ public struct FitSettings: Equatable {
 }
 
 /// Focal lengths and principal point of one frame, in pixels of the frame as delivered; the centre of pixel 0 is 0.
-public struct Intrinsics: Equatable {
+public struct Intrinsics: Equatable, Sendable {
     public var fx, fy, cx, cy: Float
     public init(fx: Float, fy: Float, cx: Float, cy: Float) {
         (self.fx, self.fy, self.cx, self.cy) = (fx, fy, cx, cy)
@@ -108,7 +108,7 @@ public struct Intrinsics: Equatable {
 
 /// The pose of a hand-held camera: the unit quaternion from the axes of the frame as delivered (x right, y down, z forward) to
 /// static axes, and the position of the camera in the static axes, mm.
-public struct CameraPose: Equatable {
+public struct CameraPose: Equatable, Sendable {
     public var x, y, z, w: Float
     public var placeMm: SIMD3<Float>
     public init(x: Float, y: Float, z: Float, w: Float, placeMm: SIMD3<Float> = .zero) {
@@ -122,26 +122,26 @@ public struct CameraPose: Equatable {
 }
 
 /// How a size fits in a region.
-public struct PlaceFit: Equatable {
+public struct PlaceFit: Equatable, Sendable {
     public let place: String        // "chest"
     public let easeMm: Estimate     // girth of the finished garment minus girth of the body
     public let verdict: String      // "tight", "snug", "good", "loose"
 }
 
 /// How a size of a garment fits.
-public struct SizeFit: Equatable {
+public struct SizeFit: Equatable, Sendable {
     public let size: String
     public let places: [PlaceFit]
 }
 
 /// A pose for the nodes of an avatar's .glb: the translation of node 0 in metres, and the rotation of every node, x y z w.
-public struct Rig: Equatable {
+public struct Rig: Equatable, Sendable {
     public let root: SIMD3<Float>
     public let rotations: [SIMD4<Float>]
 }
 
 /// Describes the models, for a support page or to check that they have the required features.
-public struct ModelInfo: Equatable {
+public struct ModelInfo: Equatable, Sendable {
     public let madeBy: String        // the program that made the index, and its source data
     public let people: UInt32        // number of people in the index
     public let captures: UInt32      // number of captures of these people
@@ -154,14 +154,14 @@ public struct ModelInfo: Equatable {
 }
 
 /// How a session ended.
-public enum Outcome {
+public enum Outcome: Sendable {
     /// Values by name ("chest_girth").
     case measured([String: Estimate])
     case notMeasured(state: String, guidance: [String])
 }
 
-/// Measures one person with one depth camera. Only one thread at a time may use a session. Exception: any thread may call
-/// `progress()` and `mask()` while the session exists.
+/// Measures one person with one depth camera. Only one thread at a time may use a session: keep it in an actor or a queue. It
+/// is not Sendable. Exception: any thread may call `progress()` and `mask()` while the session exists.
 public final class FitSession {
     let handle: OpaquePointer
 

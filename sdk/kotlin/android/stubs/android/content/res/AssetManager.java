@@ -2,6 +2,6 @@
 // Only what sample-app names of it, to compile against.
 package android.content.res;
 
-public final class AssetManager {
+public class AssetManager {
   public AssetFileDescriptor openFd(String name) throws java.io.IOException { return null; }
 }

@@ -10,7 +10,7 @@ import androidx.activity.ComponentActivity
 import androidx.activity.compose.setContent
 import androidx.activity.result.contract.ActivityResultContracts
 import androidx.compose.runtime.mutableStateOf
-import im2fit.sdk.ModelFile
+import im2fit.sample.ofAssets
 import im2fit.sdk.Models
 import java.util.Locale
 
@@ -45,11 +45,7 @@ class MainActivity : ComponentActivity() {
         super.onDestroy()
     }
 
-    private fun openedModels(): ModelSource = { use ->
-        assets.openFd("im2fit-models.i2p").use {
-            use(Models.ofPack(ModelFile.Descriptor(it.parcelFileDescriptor.fd, it.startOffset, it.length)))
-        }
-    }
+    private fun openedModels(): ModelSource = { use -> Models.ofAssets(assets, "im2fit-models.i2p", use) }
 
     /** One of the languages that the library has texts in. */
     private fun language(): String = Locale.getDefault().language.takeIf { it in listOf("de", "es", "fr", "zh") } ?: "en"
