@@ -70,16 +70,18 @@ using FrameWatch = std::function<void(const FrameSeen&)>;
 
 // Ranges of EngineSettings.
 inline constexpr int kFramesWantedMax = 1000;
+// More change no error by more than its uncertainty (docs/performance.md, "How many frames").
+inline constexpr int kFramesWantedDefault = 15;
 inline constexpr int kPoolFramesMin = 3;  // one for the producer and one for each thread
 inline constexpr int kPoolFramesMax = 64;
 
 struct EngineSettings {
   int width = 640, height = 480;  // of upright frames
   Intrinsics intrinsics;
-  int frames_wanted = 30;        // accepted frames until MEASURED; with Turn::back for each side
-  int frames_min = 5;            // minimum for a measurement, and for each side, at the end of the stream
-  bool calibration_psi = false;  // request the Psi pose first, as in the paper
-  Turn turn = Turn::none;        // otherwise TURNING follows the front, see engine/session.h
+  int frames_wanted = kFramesWantedDefault;  // accepted frames until MEASURED; with Turn::back for each side
+  int frames_min = 5;                        // minimum for a measurement, and for each side, at the end of the stream
+  bool calibration_psi = false;              // request the Psi pose first, as in the paper
+  Turn turn = Turn::none;                    // otherwise TURNING follows the front, see engine/session.h
   // What the person wears. dressed: more than close-fitting clothes. The body under them is measured less accurately;
   // needs an index trained with such people, and `shape_space`. unknown: estimated from the frames if index and shape
   // space support it, and measurements are weighted by the probability; otherwise as bare. bare: if clothes are

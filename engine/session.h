@@ -31,7 +31,7 @@
 namespace im2fit {
 
 struct SessionRules {
-  int frames_wanted = 30;
+  int frames_wanted = kFramesWantedDefault;
   int frames_min = 5;
   bool calibration_psi = false;
   Turn turn = Turn::none;

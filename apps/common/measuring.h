@@ -18,7 +18,7 @@ namespace im2fit::apps {
 struct MeasuringOptions {
   std::string tracker = default_tracker_path();
   std::string index = default_index_path();
-  int frames = 30;
+  int frames = kFramesWantedDefault;
   std::string calibration = "none";      // or "psi"
   std::string turn = "none";             // or another of kTurnNames
   std::string clothing = "auto";         // or another of kClothingGivenNames

@@ -59,7 +59,7 @@ struct EvaluationOptions {
   bool clothing_reported = true;  // the clothing worn is reported to the device
   bool clothed = false;           // tight, normal or loose clothes, shoes and hair; the truth stays the body's
   bool garments = false;  // with `clothed`: draped garments in the clothes' place (train/dressed/dressed_people.h)
-  int frames = 30;        // accepted frames wanted; three times as many are shown at most
+  int frames = kFramesWantedDefault;  // accepted frames wanted; three times as many are shown at most
   int width = 640, height = 480;
   float camera_scale = 1;  // of the depth delivered, by the true one: a camera that is out of true
   float distance_mm = 0;   // of the camera, grown until the whole person fits; 0: drawn

@@ -84,7 +84,7 @@ static void keep_status(void* user, int status, const char* text) {
 static void opening_fails_cleanly(void) {
   im2fit_handle* handle = (im2fit_handle*)&handle;
   im2fit_settings s = kinect_settings();
-  CHECK(s.frames_wanted == 30 && s.frames_min == 5 && s.pool_frames == 8);
+  CHECK(s.frames_wanted == 15 && s.frames_min == 5 && s.pool_frames == 8);
   CHECK(im2fit_open(NULL, &handle) == IM2FIT_ERROR_INVALID_ARGUMENT);
   CHECK(handle == NULL);
   CHECK(im2fit_open(&s, NULL) == IM2FIT_ERROR_INVALID_ARGUMENT);

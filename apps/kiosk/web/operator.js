@@ -21,7 +21,7 @@ for (const kind of ['error', 'unhandledrejection']) {
   window.addEventListener(kind, (e) => failures.push(String(e.message || e.reason)));
 }
 let token = '', form = {tape: []}, state = {phase: 'IDLE', ready: false}, said = '', jobSeen = '', unreached = '', erased = '';
-let joints = [], replaying = 0, regionShown = null, planSeen = '', planPicture = null, planCorner = null;
+let joints = [], confidence = null, replaying = 0, regionShown = null, planSeen = '', planPicture = null, planCorner = null;
 
 // "list.title" of the operator's texts.
 const of = (key) => key.split('.').reduce((table, word) => table && table[word], words.table.operator);
@@ -68,6 +68,7 @@ function showTexts() {
   for (const button of at('languages').children) {
     button.setAttribute('aria-current', String(button.lang === words.language));
   }
+  showConfidence(confidence);
   showTape();
   showState();
   showSessions();
@@ -442,11 +443,12 @@ setInterval(loadStatistics, kStatisticsMs);
 
 // --- live depth and joints, from the stream all pages have
 function showConfidence(percent) {
+  confidence = percent;
   at('joints').tBodies[0].replaceChildren(...joints.map((name, i) => {
     const row = document.createElement('tr');
     const head = document.createElement('th');
     head.scope = 'row';
-    head.textContent = name;
+    head.textContent = words.table ? of(`joints.${name}`) : name;
     row.append(head);
     const cell = row.insertCell();
     cell.textContent = percent ? `${percent[i]} %` : '–';

@@ -126,7 +126,7 @@ typedef struct im2fit_settings {
   int32_t width; /* size of upright frames, pixels, 1..2048 */
   int32_t height;
   float fx, fy, cx, cy;    /* pixels; of the depth camera, not of the colour camera. The centre of pixel 0 is 0 */
-  int32_t frames_wanted;   /* 30: accepted frames until MEASURED, 1..1000. With TURN_BACK: for each side */
+  int32_t frames_wanted;   /* 15: accepted frames until MEASURED, 1..1000. With TURN_BACK: for each side */
   int32_t frames_min;      /* 5: fewest accepted frames for im2fit_finish to measure, 1..frames_wanted */
   int32_t calibration_psi; /* 0: off. 1: the person raises the arms first. Flags other than 0 and 1 are refused */
   int32_t live;          /* 0: im2fit_push waits when the engine is behind. 1: it drops and counts the oldest frame */

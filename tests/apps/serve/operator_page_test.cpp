@@ -111,6 +111,10 @@ TEST_F(OperatorPage, FromAPersonToASessionThatIsMeasuredAgain) {
   // A joint's confidence is there while the person is in view.
   EXPECT_TRUE(browser.wait_for("return /^[0-9]+ %$/.test(at('joints').tBodies[0].rows[0].cells[1].textContent)"));
   EXPECT_EQ(browser.run("return at('joints').tBodies[0].rows.length"), 15);
+  EXPECT_EQ(browser.run("return at('joints').tBodies[0].rows[4].cells[0].textContent"), "Right shoulder");
+  EXPECT_EQ(
+      browser.run("return kLanguages.flatMap((l) => joints.filter((j) => !words.tables[l].operator.joints[j]))"),
+      Json::array());
   ASSERT_TRUE(browser.wait_for("return document.body.dataset.phase === 'MEASURED'"))
       << browser.run("return at('trouble').textContent");
   browser.run(R"js(

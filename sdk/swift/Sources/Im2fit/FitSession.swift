@@ -83,7 +83,7 @@ public enum DepthSensor: Int32, Sendable {
 
 /// Settings of a session. The defaults are those of the library, except `live`.
 public struct FitSettings: Equatable, Sendable {
-    public var framesWanted: Int32 = 30  // accepted frames until the measurement, 1..1000; with Turn.back for each side
+    public var framesWanted: Int32 = 15  // accepted frames until the measurement, 1..1000; with Turn.back for each side
     public var framesMin: Int32 = 5      // fewest accepted frames for `finish()` to measure
     public var live = true               // true: the oldest frame is dropped when the library is behind; false: `push` waits
     public var turn = Turn.none          // what the person is asked to do once the front is accumulated

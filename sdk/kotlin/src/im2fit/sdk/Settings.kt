@@ -83,7 +83,7 @@ enum class Sensor { JUDGED, STRUCTURED_LIGHT, TIME_OF_FLIGHT, STEREO }
  * @property singleThread true: [FitSession.push] does all work itself
  */
 data class Settings(
-    val framesWanted: Int = 30, val framesMin: Int = 5, val live: Boolean = true, val turn: Turn = Turn.NONE,
+    val framesWanted: Int = 15, val framesMin: Int = 5, val live: Boolean = true, val turn: Turn = Turn.NONE,
     val clothing: Clothing = Clothing.ESTIMATED, val sensor: Sensor = Sensor.JUDGED,
     val calibrationPose: Boolean = false, val singleThread: Boolean = false
 )
