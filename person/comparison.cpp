@@ -73,7 +73,8 @@ std::vector<std::string> reasons_to_widen(const Capture& a, const Capture& b) {
   add_if(all, a.program != b.program, "program: " + or_none(a.program) + " and " + or_none(b.program));
   add_if(all, a.answered_as != b.answered_as,
          "clothing: " + or_none(a.answered_as) + " and " + or_none(b.answered_as));
-  add_if(all, a.answered_as == b.answered_as && a.answered_as != "bare",
+  // What is answered as bare is of the surface seen, which may be cloth.
+  add_if(all, a.answered_as == b.answered_as && (a.answered_as != "bare" || a.looks_dressed || b.looks_dressed),
          "repeatability is not known for dressed people");
   add_if(all, a.site != b.site, "site calibration: " + or_none(a.site) + " and " + or_none(b.site));
   add_if(all, a.known != b.known, "the reported facts differ");
@@ -109,6 +110,8 @@ Result<Capture> read_capture(const std::string& path) {
     return Error{ErrorCode::corrupt, capture.path + ": measurements/stature is missing"};
   capture.views = text_at(root, "/views");
   capture.answered_as = text_at(root, "/clothing/answered_as");
+  const Json::json_pointer dressed("/clothing/probability");
+  capture.looks_dressed = root.contains(dressed) && root[dressed].is_number() && root[dressed].get<float>() >= 0.5F;
   capture.program = text_at(root, "/made_by/im2fit");
   capture.index = text_at(root, "/made_by/index");
   capture.site = text_at(root, "/calibration_site/crc32c");

@@ -18,6 +18,7 @@ struct Capture {
   std::array<index::IntervalEstimate, kMeasurementCount> measurements{};  // not a number: none
   std::string views;                                                      // "front", "front+back", "around"
   std::string answered_as;                                                // "bare", "dressed"
+  bool looks_dressed = false;                                             // by the frames alone
   std::string program, index;                                             // that made it: version and digest
   std::string site;                                                       // its calibration; "": none
   std::string known;  // the facts that the answer rests on, as JSON; "": none

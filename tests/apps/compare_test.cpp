@@ -65,6 +65,9 @@ TEST(Compare, OfUnlikeCapturesTakesTheirErrorsAsIndependentAndSaysWhy) {
   Capture dressed = before;
   dressed.answered_as = "dressed";
   EXPECT_EQ(compare(dressed, dressed).wider.size(), 1U);
+  Capture looks_dressed = before;
+  looks_dressed.looks_dressed = true;
+  EXPECT_THAT(compare(before, looks_dressed).wider, testing::ElementsAre(testing::HasSubstr("dressed people")));
 }
 
 TEST(Compare, StaturesApartAreTwoPeople) {
@@ -85,7 +88,7 @@ class CompareCommand : public testing::Test {
     }
     const nlohmann::json result = {{"schema", "im2fit.result/1"},
                                    {"views", views},
-                                   {"clothing", {{"answered_as", "bare"}}},
+                                   {"clothing", {{"answered_as", "bare"}, {"probability", clothed_}}},
                                    {"measurements", measurements},
                                    {"made_by", {{"im2fit", "1.0.0"}, {"index", "0123abcd"}}}};
     return write_text(name, result.dump());
@@ -102,6 +105,7 @@ class CompareCommand : public testing::Test {
     return test::run_program(command);
   }
   test::TestFolder folder_;
+  nlohmann::json clothed_;  // null: not estimated
 };
 
 TEST_F(CompareCommand, NamesWhatHasChangedAndWhatHasNot) {
@@ -130,6 +134,10 @@ TEST_F(CompareCommand, SaysWhyItIsWiderAndWhereTwoPeopleStood) {
   const test::Run wider = compare({around, front});
   EXPECT_EQ(wider.exit_code, 0) << wider.err;
   EXPECT_THAT(wider.out, testing::HasSubstr("Wider intervals: views: around and front\n"));
+  clothed_ = 0.93;
+  const test::Run cloth = compare({around, write("clothed", 900)});
+  EXPECT_EQ(cloth.exit_code, 0) << cloth.err;
+  EXPECT_THAT(cloth.out, testing::HasSubstr("repeatability is not known for dressed people"));
   const test::Run two = compare({around, write("other", 700, 1690)});
   EXPECT_EQ(two.exit_code, 0) << two.err;
   EXPECT_THAT(two.out, testing::HasSubstr("Two people: "));
