@@ -188,7 +188,7 @@ void im2fit_settings_init(im2fit_settings* settings, size_t struct_size) {
   if (settings == nullptr) return;
   im2fit_settings defaults{};
   defaults.struct_size = struct_size;
-  defaults.frames_wanted = kFramesWantedDefault;
+  defaults.frames_wanted = im2fit::kFramesWantedDefault;
   defaults.frames_min = 5;
   defaults.pool_frames = 8;
   std::memset(settings, 0, struct_size);
