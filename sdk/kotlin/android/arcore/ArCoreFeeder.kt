@@ -70,7 +70,8 @@ class ArCoreFeeder(
     private fun push(frame: Frame, depth: Image, confidence: Image): Progress? {
         if (depth.timestamp == latestNs) return null // seen already: ARCore returns the latest depth with each frame
         latestNs = depth.timestamp
-        val pose = placed.minBy { abs(it.timeNs - depth.timestamp) }!!
+        // minBy has another type in Kotlin 1.7 than in 1.3, and is refused between them.
+        val pose = placed.reduce { a, b -> if (abs(b.timeNs - depth.timestamp) < abs(a.timeNs - depth.timestamp)) b else a }
         if (abs(pose.timeNs - depth.timestamp) > 50_000_000) return null
         // Those of the colour texture. Half a pixel is half a pixel at any scale: the centre of pixel 0 is 0.
         val lens = frame.camera.textureIntrinsics

@@ -166,7 +166,8 @@ class DepthFeeder(
         /** The largest picture up to 640 pixels wide, with the lens calibration scaled to it. */
         private fun cameraOf(about: CameraCharacteristics): CameraModel {
             val sizes = about.get(CameraCharacteristics.SCALER_STREAM_CONFIGURATION_MAP)!!.getOutputSizes(ImageFormat.DEPTH16)
-            val size = sizes.filter { it.width <= 640 }.maxBy { it.width } ?: sizes.minBy { it.width }!!
+            val widest = sizes.sortedByDescending { it.width }
+            val size = widest.firstOrNull { it.width <= 640 } ?: widest.last()
             val lens = about.get(CameraCharacteristics.LENS_INTRINSIC_CALIBRATION)
                 ?: throw UnsupportedOperationException("the camera does not say its focal length: calibrate it")
             val whole = about.get(CameraCharacteristics.SENSOR_INFO_PRE_CORRECTION_ACTIVE_ARRAY_SIZE)!!
