@@ -70,7 +70,7 @@ using FrameWatch = std::function<void(const FrameSeen&)>;
 
 // Ranges of EngineSettings.
 inline constexpr int kFramesWantedMax = 1000;
-// More change no error by more than its uncertainty (docs/performance.md, "How many frames").
+// Mean errors are those of 30 frames to 1.1 mm (docs/performance.md, "How many frames").
 inline constexpr int kFramesWantedDefault = 15;
 inline constexpr int kPoolFramesMin = 3;  // one for the producer and one for each thread
 inline constexpr int kPoolFramesMax = 64;

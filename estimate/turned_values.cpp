@@ -13,14 +13,15 @@ namespace im2fit {
 namespace {
 
 // People are seen with their arms some 30 degrees off the body, and a chest is measured so. Linear blend skinning
-// draws the flesh of the armpits inwards when it lowers the arms: by 0 to 45 mm of girth, differently on each mesh.
-// What lowering the arms takes off a person's chest is not known (docs/notebook/fit.md).
+// draws the flesh of the armpits inwards when it lowers the arms: by 22 and 40 mm of men's girth on two meshes. What
+// lowering the arms takes off a person's chest is not known (docs/notebook/fit.md).
 constexpr float kArmsOffDeg = 30;
 
 // A chest's section lies at the fitted nipples, moved towards the height that a stature lets expect: chestheight of
 // ANSUR II about its straight line on stature. A mesh carries its maker's nipples, and what a camera sees of a flat
 // chest does not correct them. Women's are seen better, and vary more. The fitted nipples of men are 10 mm too low
-// (twelve people of ansur, `im2fit-lab eval-turn --seed 9`); the share of men is from the facts on turning people.
+// (men among twelve people of ansur, `im2fit-lab eval-turn --family ansur --subjects 12 --seed 9 --people FILE`). The
+// share of men is that of the prototype (docs/notebook/fit.md).
 struct Nipples {
   float at_1700_mm = 0, a_mm = 0;  // of ANSUR II
   float too_low_mm = 0, share = 0;
